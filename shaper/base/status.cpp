@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "shaper/base/status.hpp"
+
+namespace stillpoint {
+
+const char* text(Error error) {
+  switch (error) {
+    case Error::kNone: return "no error";
+    case Error::kNotFinite: return "not a finite number";
+    case Error::kNotPositive: return "must be above zero";
+    case Error::kBelowMinimum: return "below the minimum";
+    case Error::kAboveMaximum: return "above the maximum";
+    case Error::kBusy: return "the axis is moving or a request is pending";
+    case Error::kLineTooShort: return "the delay line is too short";
+    case Error::kTooManyStages: return "the cascade has no room for another stage";
+    case Error::kLimitExceeded: return "the shaped move would exceed this limit";
+    case Error::kNotAvailable: return "not available";
+  }
+  return "unknown error";
+}
+
+const char* text(Quantity quantity) {
+  switch (quantity) {
+    case Quantity::kNone: return "request";
+    case Quantity::kVelocity: return "velocity";
+    case Quantity::kAcceleration: return "acceleration";
+    case Quantity::kDeceleration: return "deceleration";
+    case Quantity::kJerk: return "jerk";
+    case Quantity::kTick: return "tick";
+    case Quantity::kDistance: return "distance";
+    case Quantity::kPosition: return "position";
+    case Quantity::kDuration: return "duration";
+    case Quantity::kFrequency: return "frequency";
+    case Quantity::kDampingRatio: return "damping ratio";
+    case Quantity::kTolerance: return "tolerance";
+    case Quantity::kStages: return "stages";
+    case Quantity::kDelay: return "delay";
+    case Quantity::kKind: return "kind";
+  }
+  return "unknown quantity";
+}
+
+}  // namespace stillpoint

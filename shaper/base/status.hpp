@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+// How the module refuses: what is wrong, with which quantity, which value it had, which value would be accepted.
+#pragma once
+
+#include <stdint.h>
+
+namespace stillpoint {
+
+enum class Error : uint8_t {
+  kNone,
+  kNotFinite,      // NaN or infinity
+  kNotPositive,    // must be above zero
+  kBelowMinimum,   // `accepted` is the smallest value accepted
+  kAboveMaximum,   // `accepted` is the largest value accepted
+  kBusy,           // the axis moves, or an earlier request has not taken effect yet
+  kLineTooShort,   // the delay line cannot hold the shaper; `accepted` is the lowest frequency (or length) it can
+  kTooManyStages,  // the cascade has no room for another stage; `accepted` is the number it has
+  kLimitExceeded,  // the shaped move would break the limit named; `accepted` is the least duration that would not
+  kNotAvailable,   // this build or state cannot do it
+};
+
+enum class Quantity : uint8_t {
+  kNone,
+  kVelocity,
+  kAcceleration,
+  kDeceleration,
+  kJerk,
+  kTick,
+  kDistance,
+  kPosition,
+  kDuration,
+  kFrequency,
+  kDampingRatio,
+  kTolerance,
+  kStages,
+  kDelay,
+  kKind,
+};
+
+// The answer of everything that can refuse. A refusal leaves the state before it in force.
+struct [[nodiscard]] Status {
+  Error error = Error::kNone;
+  Quantity quantity = Quantity::kNone;
+  double value = 0.0;     // the value refused, in the unit it was given in
+  double accepted = 0.0;  // the nearest value that would have been accepted, same unit; 0 where there is none
+
+  constexpr bool ok() const { return error == Error::kNone; }
+};
+
+constexpr Status kOk{};
+
+constexpr Status refuse(Error error, Quantity quantity, double value, double accepted = 0.0) {
+  return Status{error, quantity, value, accepted};
+}
+
+// Words for people, e.g. "above the maximum", "frequency". Not on the tick path.
+const char* text(Error error);
+const char* text(Quantity quantity);
+
+}  // namespace stillpoint
