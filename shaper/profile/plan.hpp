@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+// A move planned in continuous time: the shortest one that the limits allow, as a list of constant-jerk segments.
+// Source: Profiles, S-curve and trapezoid. Background context: floating point, bounded work.
+#pragma once
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include "shaper/base/status.hpp"
+#include "shaper/profile/limits.hpp"
+
+namespace stillpoint {
+
+enum class ProfileKind : uint8_t { kTrapezoid, kSCurve };
+
+// One stretch of constant jerk. Units: the plan's position unit and ticks.
+struct Segment {
+  double duration_ticks;
+  double acceleration;  // at its start, unit/tick^2
+  double jerk;          // unit/tick^3
+};
+
+constexpr size_t kMaxSegments = 7;
+constexpr uint32_t kMaxDurationTicks = UINT32_C(1) << 30;  // 12 days at 1 ms
+
+struct Plan {
+  double distance;          // signed, unit
+  double start_velocity;    // unit/tick; 0 for a move from rest
+  double optimum_ticks;     // duration of the continuous optimum within the limits; ends anywhere between ticks
+  uint32_t duration_ticks;  // duration as planned here: whole ticks, at rest on the last
+  uint32_t segment_count;
+  Segment segments[kMaxSegments];
+};
+
+// Largest magnitudes that a plan reaches, unit/s^n.
+struct Peaks {
+  double velocity;
+  double acceleration;
+  double jerk;  // 0 for the trapezoid, whose jerk is impulsive
+};
+
+// Plans from rest to rest over `distance` (signed, any unit; zero gives an empty plan of 0 ticks) in the least time.
+// The continuous optimum T is stretched uniformly to N = ceil(T/dt) ticks (a T that is above a whole number of ticks by
+// no more than rounding counts as whole). Scale-free: distance and limits in another unit give the same N.
+// Refuses distances and limits that are not finite, limits not above zero, a tick not above zero, and a move that would
+// take more than kMaxDurationTicks; `out` is then unchanged. Cost: closed form, and where one ramp reaches its
+// acceleration limit and the other does not, at most 64 Newton steps.
+Status plan_rest_to_rest(double distance, const AxisLimits& limits, ProfileKind kind, double tick_s, Plan& out);
+
+// Slows the plan down (or speeds it up) uniformly to exactly `duration_ticks`: S_new(k t) = S(t), so velocity changes by
+// 1/k, acceleration by 1/k^2, jerk by 1/k^3 (Li 2017, section 3). Refuses 0 ticks for a distance that is not zero, and
+// more than kMaxDurationTicks.
+Status stretch(Plan& plan, uint32_t duration_ticks);
+
+Peaks peaks_of(const Plan& plan, double tick_s);
+
+}  // namespace stillpoint

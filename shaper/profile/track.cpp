@@ -1,0 +1,155 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "shaper/profile/track.hpp"
+
+#include "shaper/base/math.hpp"
+
+namespace stillpoint {
+
+namespace {
+
+Wide wide(double counts) { return wide_from_double(counts, kTrackFractionBits); }
+
+// The entry for `tick`, new if there is none; calls come with rising ticks, or with one that exists.
+Differences& at(Track& track, uint32_t tick) {
+  uint32_t i = track.switch_count;
+  while (i > 0 && track.switches[i - 1].tick > tick) --i;
+  if (i > 0 && track.switches[i - 1].tick == tick) return track.switches[i - 1].add;
+  for (uint32_t k = track.switch_count; k > i; --k) track.switches[k] = track.switches[k - 1];
+  ++track.switch_count;
+  track.switches[i] = Switch{tick, {}};
+  return track.switches[i].add;
+}
+
+// From time t (in ticks) on, the samples have (n - t)^2/2 da + (n - t)^3/6 dj more.
+void add_change(Track& track, double time, double da, double dj) {
+  const double first = math::ceil(time);
+  const double f = first - time;
+  Differences& add = at(track, static_cast<uint32_t>(first));
+  add.difference[0] += wide(da * (f * f / 2.0) + dj * (f * f * f / 6.0));
+  add.difference[1] += wide(da * (f + 0.5)) + wide(dj * ((3.0 * f * (f + 1.0) + 1.0) / 6.0));
+  add.difference[2] += wide(da) + wide(dj) + wide(dj * f);
+  add.difference[3] += wide(dj);
+}
+
+void add_segments(Track& track, const Plan& plan) {
+  at(track, 0).difference[1] += wide(plan.start_velocity);
+  double time = 0.0;
+  double acceleration = 0.0;  // at the end of the segment before
+  double jerk = 0.0;
+  for (uint32_t i = 0; i < plan.segment_count; ++i) {
+    const Segment& segment = plan.segments[i];
+    // Where the acceleration is continuous the two figures differ by rounding, which must not become a step.
+    const double step = segment.acceleration - acceleration;
+    const double larger =
+        math::abs(acceleration) > math::abs(segment.acceleration) ? acceleration : segment.acceleration;
+    const bool continuous = math::abs(step) <= 1e-9 * math::abs(larger);
+    add_change(track, time, continuous ? 0.0 : step, segment.jerk - jerk);
+    acceleration = segment.acceleration + segment.jerk * segment.duration_ticks;
+    jerk = segment.jerk;
+    time += segment.duration_ticks;
+    if (time > plan.duration_ticks) time = plan.duration_ticks;
+  }
+  if (plan.segment_count != 0) {
+    const Segment& last = plan.segments[plan.segment_count - 1];
+    add_change(track, plan.duration_ticks, last.jerk == 0.0 ? -acceleration : 0.0, -jerk);
+  }
+}
+
+// n (n-1) / 2 and n (n-1) (n-2) / 6, exactly.
+Wide pairs(uint64_t n) { return n % 2 == 0 ? multiply(n / 2, n - 1) : multiply(n, (n - 1) / 2); }
+
+Wide triples(uint64_t n) {
+  if (n < 3) return Wide{0, 0};
+  const uint64_t two = pairs(n).low;  // n < 2^31
+  return (n - 2) % 3 == 0 ? multiply(two, (n - 2) / 3) : multiply(two / 3, n - 2);
+}
+
+// Exactly what `ticks` ticks of adding do.
+void advance(Differences& state, uint32_t ticks) {
+  const Wide one = Wide::from_int(ticks);
+  const Wide two = pairs(ticks);
+  Wide* d = state.difference;
+  d[0] += one * d[1] + two * d[2] + triples(ticks) * d[3];
+  d[1] += one * d[2] + two * d[3];
+  d[2] += one * d[3];
+}
+
+// Where the track ends, without the last snap to the target.
+Differences end_of(const Track& track) {
+  Differences state{};
+  state.difference[0] = Wide{0, static_cast<uint64_t>(track.start)};
+  uint32_t tick = 0;
+  for (uint32_t i = 0; i < track.switch_count; ++i) {
+    advance(state, track.switches[i].tick - tick);
+    tick = track.switches[i].tick;
+    for (int k = 0; k < 4; ++k) state.difference[k] += track.switches[i].add.difference[k];
+  }
+  advance(state, track.duration_ticks - tick);
+  return state;
+}
+
+// What a third difference of 1 over the ticks [begin, end) leaves at `duration`, in powers of the duration.
+struct Effect {
+  double position;
+  double velocity;
+  double acceleration;
+};
+
+Effect effect_of(double begin, double end, double duration) {
+  const double m = end - begin;
+  const double r = duration - end;
+  const double m_2 = m * (m - 1.0) / 2.0;
+  return Effect{(m_2 * (m - 2.0) / 3.0 + m_2 * r + m * r * (r - 1.0) / 2.0) / (duration * duration * duration),
+                (m_2 + m * r) / (duration * duration), m / duration};
+}
+
+double determinant(const Effect& a, const Effect& b, const Effect& c) {
+  return a.position * (b.velocity * c.acceleration - c.velocity * b.acceleration) -
+         b.position * (a.velocity * c.acceleration - c.velocity * a.acceleration) +
+         c.position * (a.velocity * b.acceleration - b.velocity * a.acceleration);
+}
+
+// Three constant third differences, one over each third of the move, that take out what is missing at its end.
+void correct_end(Track& track) {
+  constexpr uint32_t kShortest = 12;  // below, what is missing is under an LSB or under 1e-13 of the limits
+  const uint32_t n = track.duration_ticks;
+  if (n < kShortest) return;
+  const Differences end = end_of(track);
+  const double n_d = n;
+  const Effect missing{to_double(Wide{0, static_cast<uint64_t>(track.target)} - end.difference[0], kTrackFractionBits) /
+                           (n_d * n_d * n_d),
+                       to_double(-end.difference[1], kTrackFractionBits) / (n_d * n_d),
+                       to_double(-end.difference[2], kTrackFractionBits) / n_d};
+  const uint32_t cut[4] = {0, n / 3, n - n / 3, n};
+  Effect third[3];
+  for (int i = 0; i < 3; ++i) third[i] = effect_of(cut[i], cut[i + 1], n_d);
+  const double whole = determinant(third[0], third[1], third[2]);
+  const Wide u[3] = {wide(determinant(missing, third[1], third[2]) / whole),
+                     wide(determinant(third[0], missing, third[2]) / whole),
+                     wide(determinant(third[0], third[1], missing) / whole)};
+  Wide before{0, 0};
+  for (int i = 0; i < 3; ++i) {
+    at(track, cut[i]).difference[3] += u[i] - before;
+    before = u[i];
+  }
+}
+
+}  // namespace
+
+void Track::make(const Plan& plan, Signal start, Signal target, Track& out) {
+  make_uncorrected(plan, start, out);
+  out.target = target;
+  if (plan.duration_ticks != 0) correct_end(out);
+}
+
+void Track::make_uncorrected(const Plan& plan, Signal start, Track& out) {
+  out.start = start;
+  out.target = start;
+  out.duration_ticks = plan.duration_ticks;
+  out.switch_count = 0;
+  if (plan.duration_ticks == 0) return;
+  add_segments(out, plan);
+  out.target = static_cast<Signal>(end_of(out).difference[0].high);
+}
+
+}  // namespace stillpoint
