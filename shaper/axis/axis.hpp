@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+// One axis end to end: target -> profile -> shaping -> setpoint.
+//
+// Who may call what. The *tick* context is the one place that calls `tick`, normally an interrupt; the *background*
+// is everything it interrupts. Background functions may be interrupted by `tick` at any instruction; `tick` is never
+// interrupted by them.
+//   - The tick owns the sampler, the stop ramp, the active line and the published state.
+//   - The background owns the spare track and the spare line until it has filled them and set `pending_`; from then on
+//     they are the tick's, until the tick clears `pending_`. `pending_` is 32 bits, written last, read first.
+//   - 64-bit values go from the tick to the background in a snapshot that is read again if a tick came between.
+#pragma once
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include "shaper/axis/axis_config.hpp"
+#include "shaper/axis/axis_core.hpp"
+#include "shaper/shaping/shaper.hpp"
+
+namespace stillpoint {
+
+// kLineCapacity: signals of delay line, for all stages of a shaper together (a stage of d ticks takes d + 1).
+// RAM: 16 bytes a signal (two lines: the active one and the one being prepared) and about 3 KB.
+template <size_t kLineCapacity>
+class Axis : public AxisCore {
+  static_assert(kLineCapacity >= 4, "room for the shortest stage");
+  static_assert(kLineCapacity <= (size_t{1} << 20), "longer lines than 8 MB a shaper are a mistake");
+
+ public:
+  // As AxisCore::configure; the first call also gives the core its lines. (Not in a constructor: a static Axis is all
+  // zeros and costs no flash.)
+  Status configure(const AxisConfig& config) {
+    attach(line_memory_[0], line_memory_[1], kLineCapacity);
+    return AxisCore::configure(config);
+  }
+
+ private:
+  LineSample line_memory_[2][kLineCapacity] = {};
+};
+
+}  // namespace stillpoint

@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: Apache-2.0
+// The background's side of the axis: what is asked of it, checked and prepared.
+#include "shaper/axis/axis_core.hpp"
+#include "shaper/axis/zero_delay.hpp"
+#include "shaper/base/math.hpp"
+
+namespace stillpoint {
+
+namespace {
+
+// Counts from one signal to another; each fits, their difference may not.
+double distance_counts(Signal from, Signal to) {
+  const int64_t whole = (to >> kSignalFractionBits) - (from >> kSignalFractionBits);
+  const int64_t fraction = (to & (kSignalPerCount - 1)) - (from & (kSignalPerCount - 1));
+  return static_cast<double>(whole) + static_cast<double>(fraction) / static_cast<double>(kSignalPerCount);
+}
+
+Status check_duration(const Move& move, double tick_s) {
+  if (!math::is_finite(move.duration_s)) return refuse(Error::kNotFinite, Quantity::kDuration, move.duration_s);
+  if (move.duration_s < 0.0) return refuse(Error::kBelowMinimum, Quantity::kDuration, move.duration_s, 0.0);
+  const double longest = kMaxDurationTicks * tick_s;
+  if (move.duration_s > longest) return refuse(Error::kAboveMaximum, Quantity::kDuration, move.duration_s, longest);
+  return kOk;
+}
+
+Status check_distance(double distance) {
+  constexpr double kLongest = kMaxPositionCounts;
+  if (math::abs(distance) > kLongest) return refuse(Error::kAboveMaximum, Quantity::kDistance, distance, kLongest);
+  return kOk;
+}
+
+}  // namespace
+
+Status AxisCore::check_ready() const {
+  if (!configured_) return refuse(Error::kNotAvailable, Quantity::kNone, 0.0);
+  if (pending() || state().phase != AxisPhase::kAtRest) return refuse(Error::kBusy, Quantity::kNone, 0.0);
+  return kOk;
+}
+
+Status AxisCore::configure(const AxisConfig& config) {
+  Status status = config.validate();
+  if (!status.ok()) return status;
+  if (configured_) status = check_ready();
+  if (!status.ok()) return status;
+  status = StopLimits::make(config.quick_stop_deceleration, config.quick_stop_jerk, config.tick_s, stop_limits_);
+  if (!status.ok()) return status;
+  config_ = config;
+  configured_ = true;
+  return kOk;
+}
+
+Status AxisCore::set_shaper(const ShaperDesign& design) {
+  const uint32_t epoch = __atomic_load_n(&epoch_, __ATOMIC_ACQUIRE);
+  const AxisState now = state();
+  Status status = check_ready();
+  if (!status.ok()) return status;
+  const uint32_t spare = active_shaper_ ^ 1;
+  status = shapers_[spare].configure(design, memory_[spare], capacity_, now.setpoint);
+  if (!status.ok()) return status;
+  hand_over(kShaper, epoch);
+  return kOk;
+}
+
+Status AxisCore::command(const Move& move, MoveReport* report) {
+  const uint32_t epoch = __atomic_load_n(&epoch_, __ATOMIC_ACQUIRE);
+  const Signal start = state().setpoint;
+  Status status = check_ready();
+  if (status.ok()) status = move.limits.validate();
+  if (status.ok()) status = move.limits.within(config_.maximum);
+  if (status.ok()) status = check_duration(move, config_.tick_s);
+  if (!status.ok()) return status;
+  const Signal target = signal_from_counts(move.target_counts);
+  const double distance = distance_counts(start, target);
+  status = check_distance(distance);
+  Plan plan{};
+  if (status.ok()) status = plan_rest_to_rest(distance, move.limits, move.kind, config_.tick_s, plan);
+  MoveReport result{0, 0, plan.optimum_ticks, false};
+  if (status.ok()) {
+    status = move.zero_delay ? time_zero_delay(move, start, plan, result) : time_plainly(move, plan, result);
+  }
+  if (!status.ok()) return status;
+  Track::make(plan, start, target, tracks_[active_track_ ^ 1]);
+  result.profile_ticks = plan.duration_ticks;
+  result.total_ticks = plan.duration_ticks + (distance != 0.0 ? shaper().length_ticks() : 0);
+  if (report != nullptr) *report = result;
+  hand_over(kMove, epoch);
+  return kOk;
+}
+
+Status AxisCore::time_plainly(const Move& move, Plan& plan, MoveReport& report) const {
+  if (move.duration_s != 0.0) {
+    const double ticks = math::floor(move.duration_s / config_.tick_s + 0.5);
+    if (ticks < plan.duration_ticks)
+      return refuse(Error::kBelowMinimum, Quantity::kDuration, move.duration_s, plan.duration_ticks * config_.tick_s);
+    const Status status = stretch(plan, static_cast<uint32_t>(ticks));
+    if (!status.ok()) return status;
+  }
+  report.zero_delay_met = shaper().stage_count == 0;
+  return kOk;
+}
+
+Status AxisCore::time_zero_delay(const Move& move, Signal start, Plan& plan, MoveReport& report) {
+  const uint32_t length = shaper().length_ticks();
+  const uint32_t spare = active_shaper_ ^ 1;
+  Status status = shapers_[spare].configure(shaper(), memory_[spare], capacity_, start);
+  if (!status.ok()) return status;
+  ShapedMoveCheck check(plan, move.limits, move.kind, config_.tick_s, shapers_[spare], tracks_[active_track_ ^ 1],
+                        start, signal_from_counts(move.target_counts));
+  Quantity binding = Quantity::kDuration;
+  if (plan.distance == 0.0) {
+    report.zero_delay_met = true;
+    return kOk;
+  }
+  if (move.duration_s == 0.0) return stretch(plan, check.least_ticks(0, plan.duration_ticks, binding));
+  const uint32_t wanted = static_cast<uint32_t>(math::floor(move.duration_s / config_.tick_s * (1.0 + 1e-12)));
+  const uint32_t available = wanted > length ? wanted - length : 0;
+  if (available < plan.duration_ticks) {
+    if (available > 0) binding = check.broken_at(available);
+    if (binding != Quantity::kNone) {
+      const uint32_t least = check.least_ticks(available, plan.duration_ticks, binding);
+      return refuse(Error::kLimitExceeded, binding, move.duration_s, (least + length) * config_.tick_s);
+    }
+  }
+  report.zero_delay_met = true;
+  return stretch(plan, available);
+}
+
+}  // namespace stillpoint

@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "shaper/axis/axis_config.hpp"
+
+#include "shaper/base/math.hpp"
+#include "shaper/profile/stop_ramp.hpp"
+
+namespace stillpoint {
+
+Status AxisConfig::validate() const {
+  const Status status = maximum.validate();
+  if (!status.ok()) return status;
+  StopLimits unused{};
+  return StopLimits::make(quick_stop_deceleration, quick_stop_jerk, tick_s, unused);
+}
+
+}  // namespace stillpoint

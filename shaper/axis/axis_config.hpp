@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <stdint.h>
+
+#include "shaper/base/signal.hpp"
+#include "shaper/base/status.hpp"
+#include "shaper/profile/limits.hpp"
+#include "shaper/profile/plan.hpp"
+
+namespace stillpoint {
+
+// Units of an axis: counts and seconds.
+struct AxisConfig {
+  double tick_s;
+  AxisLimits maximum;              // no move may ask for more
+  double quick_stop_deceleration;  // counts/s^2
+  double quick_stop_jerk;          // counts/s^3
+
+  Status validate() const;
+};
+
+struct Move {
+  int32_t target_counts;
+  ProfileKind kind;
+  AxisLimits limits;  // counts/s^n, at most the axis's maximum; promises about what leaves the shaper
+  double duration_s;  // 0: the least time. Otherwise at least that; a multiple of the tick (rounded to the nearest)
+  bool zero_delay;  // the *shaped* move ends within duration_s (Li 2017); with duration_s 0: the least the limits allow
+};
+
+// What a move that was accepted will do.
+struct MoveReport {
+  uint32_t profile_ticks;  // until the profile stands
+  uint32_t total_ticks;    // until the shaped setpoint stands
+  double optimum_ticks;    // of the continuous optimum, unshaped
+  bool zero_delay_met;     // total_ticks is no more than the unshaped move of the same duration takes
+};
+
+enum class AxisPhase : uint8_t { kAtRest, kMoving, kDraining, kStopping };
+
+// A snapshot that belongs to one tick.
+struct AxisState {
+  uint32_t tick;
+  AxisPhase phase;
+  Signal demand;    // before shaping
+  Signal setpoint;  // after shaping: what the drive is given
+};
+
+}  // namespace stillpoint

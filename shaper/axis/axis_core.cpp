@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: Apache-2.0
+// The tick's side of the axis, and how requests cross to it.
+#include "shaper/axis/axis_core.hpp"
+
+namespace stillpoint {
+
+namespace {
+
+uint32_t load(const uint32_t& word) { return __atomic_load_n(&word, __ATOMIC_ACQUIRE); }
+void store(uint32_t& word, uint32_t value) { __atomic_store_n(&word, value, __ATOMIC_RELEASE); }
+
+}  // namespace
+
+void AxisCore::attach(LineSample* active_memory, LineSample* spare_memory, size_t line_capacity) {
+  if (capacity_ != 0) return;
+  memory_[0] = active_memory;
+  memory_[1] = spare_memory;
+  capacity_ = line_capacity;
+}
+
+AxisState AxisCore::state() const {
+  // The tick runs to its end while this waits, so a copy with the same tick number on both sides is whole.
+  AxisState copy;
+  uint32_t tick;
+  do {
+    tick = load(published_.tick);
+    copy = published_;
+    __atomic_signal_fence(__ATOMIC_ACQ_REL);
+  } while (load(published_.tick) != tick);
+  return copy;
+}
+
+bool AxisCore::pending() const { return load(pending_) != kNothing; }
+
+const ShaperDesign& AxisCore::shaper() const { return shapers_[load(active_shaper_)].design(); }
+
+void AxisCore::request_stop() { store(stop_requested_, 1); }
+
+void AxisCore::hand_over(Pending what, uint32_t epoch) {
+  pending_epoch_ = epoch;
+  store(pending_, what);
+}
+
+Signal AxisCore::tick(bool commit) {
+  if (load(stop_requested_) != 0) {
+    store(stop_requested_, 0);
+    begin_stop();
+  }
+  if (commit) take_pending();
+  const Signal setpoint = advance();
+  outputs_[2] = outputs_[1];
+  outputs_[1] = outputs_[0];
+  outputs_[0] = setpoint;
+  publish(setpoint);
+  return setpoint;
+}
+
+Signal AxisCore::advance() {
+  if (stopping_) {
+    const Signal position = stop_ramp_.tick();
+    if (stop_ramp_.at_rest()) rest_at(position);
+    return position;
+  }
+  if (!sampler_.at_rest()) {
+    drain_ticks_ = length_ticks_;
+  } else if (drain_ticks_ > 0) {
+    --drain_ticks_;
+  }
+  return shapers_[active_shaper_].tick(sampler_.tick());
+}
+
+void AxisCore::take_pending() {
+  const uint32_t what = load(pending_);
+  if (what == kNothing) return;
+  const bool at_rest = published_.phase == AxisPhase::kAtRest && !stopping_;
+  if (what == kMove) {
+    if (pending_epoch_ == epoch_ && at_rest) {
+      active_track_ ^= 1;
+      sampler_.begin(tracks_[active_track_]);
+    }
+  } else {
+    if (!at_rest) return;
+    store(active_shaper_, active_shaper_ ^ 1);
+    length_ticks_ = shapers_[active_shaper_].design().length_ticks();
+    if (pending_epoch_ != epoch_) shapers_[active_shaper_].fill(outputs_[0]);
+  }
+  store(pending_, kNothing);
+}
+
+void AxisCore::begin_stop() {
+  ++epoch_;
+  if (stopping_ || published_.phase == AxisPhase::kAtRest) return;
+  stop_ramp_.start(stop_limits_, outputs_[0], outputs_[1], outputs_[2]);
+  stopping_ = true;
+}
+
+void AxisCore::rest_at(Signal position) {
+  sampler_.rest_at(position);
+  shapers_[active_shaper_].fill(position);
+  drain_ticks_ = 0;
+  stopping_ = false;
+}
+
+void AxisCore::reset(Signal position) {
+  ++epoch_;
+  store(stop_requested_, 0);
+  rest_at(position);
+  for (int i = 0; i < 3; ++i) outputs_[i] = position;
+  publish(position);
+}
+
+void AxisCore::publish(Signal setpoint) {
+  published_.demand = stopping_ ? setpoint : sampler_.position();
+  published_.setpoint = setpoint;
+  published_.phase = stopping_             ? AxisPhase::kStopping
+                     : !sampler_.at_rest() ? AxisPhase::kMoving
+                     : drain_ticks_ != 0   ? AxisPhase::kDraining
+                                           : AxisPhase::kAtRest;
+  store(published_.tick, published_.tick + 1);
+}
+
+}  // namespace stillpoint

@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: Apache-2.0
+// What an Axis does, whatever its line capacity. See axis.hpp for who may call what.
+#pragma once
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include "shaper/axis/axis_config.hpp"
+#include "shaper/profile/stop_ramp.hpp"
+#include "shaper/profile/track.hpp"
+#include "shaper/shaping/design.hpp"
+#include "shaper/shaping/shaper.hpp"
+
+namespace stillpoint {
+
+class AxisCore {
+ public:
+  // --- background -------------------------------------------------------------------------------------------------
+
+  // Takes limits and tick. Refuses an invalid configuration by name, and kBusy unless the axis is at rest with nothing
+  // pending; the old one stays. Until the first success every command is refused kNotAvailable.
+  Status configure(const AxisConfig& config);
+
+  // Plans the move from where the axis stands and hands it to the tick, which starts it at its next call that allows a
+  // commit. Refuses kBusy while the axis moves or something is pending; whatever plan_rest_to_rest refuses; limits
+  // above the axis's maximum; and, for zero delay, kLimitExceeded naming the limit that binds with the least
+  // duration in seconds that would do. Cost: one plan; a zero-delay move that asks more of the profile than its
+  // limits allow is checked tick by tick on the shaped stream (and the least duration searched for when it fails), so
+  // as many stage ticks as the move is long, at most 32 times over. `report` may be null.
+  Status command(const Move& move, MoveReport* report);
+
+  // Changes the shaper. It takes effect, at rest, at the next tick that allows a commit. Refuses kBusy while the axis
+  // moves or something is pending, and kLineTooShort (`value` signals needed, `accepted` signals there).
+  Status set_shaper(const ShaperDesign& design);
+
+  // One tick's state, never torn.
+  AxisState state() const;
+
+  // True while a command or a shaper waits for a tick that allows a commit.
+  bool pending() const;
+
+  // The shaper in force (after the pending one took effect).
+  const ShaperDesign& shaper() const;
+
+  const AxisConfig& config() const { return config_; }
+
+  // --- either context ---------------------------------------------------------------------------------------------
+
+  // Quick stop: from the next tick on the output itself ramps to rest within the quick-stop limits, past the shaper,
+  // whose line is then filled with where the axis stands. No commit is needed; what is pending is dropped.
+  void request_stop();
+
+  // --- tick -------------------------------------------------------------------------------------------------------
+
+  // Advances one tick and returns the setpoint. Bounded: no division, no floating point, no error.
+  // `commit` false: pending requests of the background wait.
+  Signal tick(bool commit = true);
+
+  // Puts the axis at rest at `position`, line filled, no ramp: for enabling, homing, after faults. Drops what is
+  // pending. Only where no tick can come between: from the tick's context, or with the tick off.
+  void reset(Signal position);
+
+ protected:
+  void attach(LineSample* active_memory, LineSample* spare_memory, size_t line_capacity);
+
+ private:
+  enum Pending : uint32_t { kNothing, kMove, kShaper };
+
+  Status check_ready() const;
+  Status time_plainly(const Move& move, Plan& plan, MoveReport& report) const;
+  Status time_zero_delay(const Move& move, Signal start, Plan& plan, MoveReport& report);
+  void hand_over(Pending what, uint32_t epoch);
+
+  void take_pending();
+  void begin_stop();
+  void rest_at(Signal position);
+  Signal advance();
+  void publish(Signal setpoint);
+
+  // Set by configure, at rest, and read by the tick only to leave rest.
+  AxisConfig config_ = {};
+  StopLimits stop_limits_ = {};
+  bool configured_ = false;
+  LineSample* memory_[2] = {};
+  size_t capacity_ = 0;
+
+  // The mailbox. The background fills the spares, then sets pending_; the tick takes them and clears it. A stop or
+  // reset in between moves epoch_ on, and what was planned before it is dropped.
+  uint32_t pending_ = kNothing;
+  uint32_t pending_epoch_ = 0;
+  uint32_t stop_requested_ = 0;
+
+  // Pairs: the tick's is the one of this index, the other the background's spare.
+  uint32_t active_track_ = 0;
+  uint32_t active_shaper_ = 0;
+  Track tracks_[2] = {};
+  Shaper shapers_[2] = {};
+
+  // The tick's own.
+  Sampler sampler_ = {};
+  StopRamp stop_ramp_ = {};
+  bool stopping_ = false;
+  uint32_t epoch_ = 0;
+  uint32_t length_ticks_ = 0;  // of the active shaper
+  uint32_t drain_ticks_ = 0;   // until the line holds nothing but the standing position
+  Signal outputs_[3] = {};     // newest first
+  AxisState published_ = {};   // published_.tick changes with every tick: readers compare it
+};
+
+}  // namespace stillpoint

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "shaper/axis/zero_delay.hpp"
+
+#include <float.h>
+
+namespace stillpoint {
+
+ShapedMoveCheck::ShapedMoveCheck(const Plan& plan, const AxisLimits& limits, ProfileKind kind, double tick_s,
+                                 Shaper& scratch, Track& track, Signal start, Signal target)
+    : plan_(plan), scratch_(scratch), track_(track), start_(start), target_(target), limit_{} {
+  // Each rounding to the LSB, the profile's and one a stage, adds up to 1, 2, 4 LSB to the differences.
+  const double roundings = scratch.design().stage_count + 1.0;
+  const double lsb_tick = tick_s * static_cast<double>(kSignalPerCount);
+  limit_[0] = limits.velocity * lsb_tick + roundings;
+  limit_[1] = limits.acceleration * lsb_tick * tick_s + 2.0 * roundings;
+  limit_[2] = limits.deceleration * lsb_tick * tick_s + 2.0 * roundings;
+  limit_[3] = kind == ProfileKind::kTrapezoid ? DBL_MAX : limits.jerk * lsb_tick * tick_s * tick_s + 4.0 * roundings;
+}
+
+Quantity ShapedMoveCheck::broken_at(uint32_t profile_ticks) {
+  if (!stretch(plan_, profile_ticks).ok()) return Quantity::kDuration;
+  Track::make(plan_, start_, target_, track_);
+  scratch_.fill(start_);
+  Sampler sampler;
+  sampler.begin(track_);
+  const bool forward = target_ >= start_;
+  Signal last = start_;
+  int64_t velocity = 0;
+  int64_t acceleration = 0;
+  // Three ticks more than the stream moves: its differences come to rest.
+  const uint32_t ticks = profile_ticks + scratch_.design().length_ticks() + 3;
+  for (uint32_t i = 0; i < ticks; ++i) {
+    const Signal output = scratch_.tick(sampler.tick());
+    const int64_t step = forward ? output - last : last - output;
+    const int64_t change = step - velocity;
+    const double jerk = static_cast<double>(change) - static_cast<double>(acceleration);
+    last = output;
+    velocity = step;
+    acceleration = change;
+    const double step_d = static_cast<double>(step);
+    const double change_d = static_cast<double>(change);
+    if (step_d > limit_[0] || -step_d > limit_[0]) return Quantity::kVelocity;
+    if (change_d > limit_[1]) return Quantity::kAcceleration;
+    if (-change_d > limit_[2]) return Quantity::kDeceleration;
+    if (jerk > limit_[3] || -jerk > limit_[3]) return Quantity::kJerk;
+  }
+  return Quantity::kNone;
+}
+
+uint32_t ShapedMoveCheck::least_ticks(uint32_t too_short, uint32_t enough, Quantity& binding) {
+  while (enough - too_short > 1) {
+    const uint32_t middle = too_short + (enough - too_short) / 2;
+    const Quantity broken = broken_at(middle);
+    if (broken == Quantity::kNone) {
+      enough = middle;
+    } else {
+      too_short = middle;
+      binding = broken;
+    }
+  }
+  return enough;
+}
+
+}  // namespace stillpoint

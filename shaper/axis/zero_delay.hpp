@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+// Zero-delay shaping (Li 2017, section 3): the profile is sped up uniformly so that the *shaped* move ends in time.
+// Speeding up raises velocity, acceleration and jerk of the profile; a shaper of positive taps can only lower them. So
+// the limits are checked where they are promised: on the shaped stream.
+#pragma once
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include "shaper/profile/limits.hpp"
+#include "shaper/profile/plan.hpp"
+#include "shaper/profile/track.hpp"
+#include "shaper/shaping/shaper.hpp"
+
+namespace stillpoint {
+
+// Runs moves from `start` to `target` through a copy of a shaper, tick by tick as the axis would. Background.
+class ShapedMoveCheck {
+ public:
+  // `scratch` and `track` are overwritten; the shaper's lines go to `memory`. `plan` is the move at its least duration
+  // within the limits, in counts.
+  ShapedMoveCheck(const Plan& plan, const AxisLimits& limits, ProfileKind kind, double tick_s, Shaper& scratch,
+                  Track& track, Signal start, Signal target);
+
+  // The first limit that the shaped stream breaks when the profile takes `profile_ticks`; kNone if it keeps all.
+  // Cost: profile_ticks + length of the shaper stage ticks.
+  Quantity broken_at(uint32_t profile_ticks);
+
+  // The least profile duration in (too_short, enough] whose shaped stream keeps the limits, given that `enough` does:
+  // by bisection, so at most 30 checks. Returns the limit that binds just below it in `binding`.
+  uint32_t least_ticks(uint32_t too_short, uint32_t enough, Quantity& binding);
+
+ private:
+  Plan plan_;
+  Shaper& scratch_;
+  Track& track_;
+  Signal start_;
+  Signal target_;
+  double limit_[4];  // velocity, acceleration, deceleration, jerk along the move, LSB/tick^n with its allowance
+};
+
+}  // namespace stillpoint

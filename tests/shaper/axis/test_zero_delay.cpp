@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "shaper/axis/axis.hpp"
+#include "tests/support/stream_check.hpp"
+#include "tests/support/test.hpp"
+
+using namespace stillpoint;
+using stillpoint::testing::Random;
+using stillpoint::testing::StreamCheck;
+
+namespace {
+
+constexpr double kTick = 1e-3;
+
+struct PapersArm {
+  Axis<256> axis = {};
+  const AxisLimits limits{1.2e6, 20e6, 20e6, 600e6};
+
+  PapersArm() {
+    TEST_ASSERT_OK(axis.configure(AxisConfig{kTick, {1e9, 1e12, 1e12, 1e15}, 40e6, 2e9}));
+    ShaperDesign design{};
+    TEST_ASSERT_OK(add_shaper(ShaperKind::kZv, Mode{11.0, 0.11}, kTick, design));
+    TEST_ASSERT_OK(axis.set_shaper(design));
+    axis.tick();
+  }
+
+  Status command(int32_t target_counts, double duration_s, MoveReport& report) {
+    return axis.command(Move{target_counts, ProfileKind::kSCurve, limits, duration_s, true}, &report);
+  }
+
+  // Runs the move that was accepted and checks the stream that leaves; returns its ticks.
+  uint32_t run(int32_t target_counts) {
+    const Signal target = signal_from_counts(target_counts);
+    StreamCheck check(axis.state().setpoint, target >= axis.state().setpoint, limits, kTick);
+    uint32_t last_change = 0;
+    Signal last = axis.state().setpoint;
+    uint32_t tick = 0;
+    do {
+      const Signal next = axis.tick();
+      ++tick;
+      check.next(next);
+      if (next != last) last_change = tick;
+      last = next;
+    } while (axis.state().phase != AxisPhase::kAtRest);
+    TEST_ASSERT_TRUE(check.within(1));
+    TEST_ASSERT_EQUAL_INT64(target, last);
+    return last_change;
+  }
+};
+
+}  // namespace
+
+TEST_F(PapersArm, the_reference_move_ends_shaped_within_the_time_of_the_plain_one) {
+  MoveReport report{};
+  TEST_ASSERT_OK(command(1700000, 1.62, report));
+  TEST_ASSERT_EQUAL_UINT32(1620, report.total_ticks);
+  TEST_ASSERT_TRUE(report.zero_delay_met);
+  TEST_ASSERT_AT_MOST_INT64(1620, run(1700000));
+}
+
+TEST_F(PapersArm, the_papers_own_duration_is_met_too) {
+  MoveReport report{};
+  TEST_ASSERT_OK(command(1700000, 1.60, report));
+  TEST_ASSERT_EQUAL_UINT32(1554, report.profile_ticks);
+  TEST_ASSERT_AT_MOST_INT64(1600, run(1700000));
+}
+
+TEST_F(PapersArm, what_the_limits_forbid_is_refused_naming_the_limit_and_the_least_duration) {
+  MoveReport report{};
+  const Status status = command(1700000, 1.53, report);
+  TEST_ASSERT_REFUSED(kLimitExceeded, kVelocity, status);
+  TEST_ASSERT_FALSE(axis.pending());
+  TEST_ASSERT_AT_LEAST_DOUBLE(1.53, status.accepted);
+  TEST_ASSERT_AT_MOST_DOUBLE(1.556, status.accepted);
+  TEST_ASSERT_OK(command(1700000, status.accepted, report));
+  TEST_ASSERT_AT_MOST_DOUBLE(status.accepted / kTick + 1e-6, run(1700000));
+  TEST_ASSERT_FALSE(command(0, status.accepted - kTick, report).ok());
+}
+
+TEST_F(PapersArm, a_duration_shorter_than_the_shaper_names_the_least) {
+  MoveReport report{};
+  const Status status = command(1700000, 0.04, report);
+  TEST_ASSERT_TRUE(status.error == Error::kLimitExceeded);
+  TEST_ASSERT_OK(command(1700000, status.accepted, report));
+}
+
+TEST_F(PapersArm, a_short_move_may_ask_more_of_the_profile_than_of_the_stream) {
+  // The plain S-curve takes 117 ticks and the shaper 46; the shaper lowers the peaks, so less than the sum will do.
+  MoveReport report{};
+  TEST_ASSERT_OK(command(20000, 0.0, report));
+  TEST_ASSERT_FALSE(report.zero_delay_met);
+  TEST_ASSERT_AT_MOST_INT64(116, report.profile_ticks);
+  TEST_ASSERT_AT_LEAST_INT64(135, report.total_ticks);  // what any command needs (reference, 5)
+  TEST_ASSERT_EQUAL_UINT32(report.total_ticks, run(20000));
+}
+
+TEST_F(PapersArm, random_zero_delay_moves_keep_their_limits_or_are_refused_with_a_duration_that_works) {
+  const uint64_t seed = 17;
+  TEST_INFO("seed", seed);
+  Random random(seed);
+  for (int i = 0; i < 40; ++i) {
+    TEST_INFO("case", i);
+    const int32_t target = static_cast<int32_t>(random.integer(-400000, 400000));
+    MoveReport report{};
+    Status status = command(target, random.between(0.05, 0.8), report);
+    if (status.error == Error::kLimitExceeded) status = command(target, status.accepted, report);
+    TEST_ASSERT_OK(status);
+    TEST_ASSERT_AT_MOST_INT64(report.total_ticks, run(target));
+  }
+}
