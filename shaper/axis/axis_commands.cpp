@@ -115,7 +115,7 @@ Status AxisCore::time_zero_delay(const Move& move, Signal start, Plan& plan, Mov
   const uint32_t wanted = static_cast<uint32_t>(math::floor(move.duration_s / config_.tick_s * (1.0 + 1e-12)));
   const uint32_t available = wanted > length ? wanted - length : 0;
   if (available < plan.duration_ticks) {
-    if (available > 0) binding = check.broken_at(available);
+    if (available > 0 && plan.duration_ticks <= kLongestSearchTicks) binding = check.broken_at(available);
     if (binding != Quantity::kNone) {
       const uint32_t least = check.least_ticks(available, plan.duration_ticks, binding);
       return refuse(Error::kLimitExceeded, binding, move.duration_s, (least + length) * config_.tick_s);

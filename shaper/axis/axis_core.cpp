@@ -46,6 +46,7 @@ Signal AxisCore::tick(bool commit) {
     store(stop_requested_, 0);
     begin_stop();
   }
+  drop_stale_move();
   if (commit) take_pending();
   const Signal setpoint = advance();
   outputs_[2] = outputs_[1];
@@ -69,17 +70,19 @@ Signal AxisCore::advance() {
   return shapers_[active_shaper_].tick(sampler_.tick());
 }
 
+void AxisCore::drop_stale_move() {
+  if (load(pending_) == kMove && pending_epoch_ != epoch_) store(pending_, kNothing);
+}
+
 void AxisCore::take_pending() {
   const uint32_t what = load(pending_);
   if (what == kNothing) return;
   const bool at_rest = published_.phase == AxisPhase::kAtRest && !stopping_;
+  if (!at_rest) return;
   if (what == kMove) {
-    if (pending_epoch_ == epoch_ && at_rest) {
-      active_track_ ^= 1;
-      sampler_.begin(tracks_[active_track_]);
-    }
+    active_track_ ^= 1;
+    sampler_.begin(tracks_[active_track_]);
   } else {
-    if (!at_rest) return;
     store(active_shaper_, active_shaper_ ^ 1);
     length_ticks_ = shapers_[active_shaper_].design().length_ticks();
     if (pending_epoch_ != epoch_) shapers_[active_shaper_].fill(outputs_[0]);

@@ -24,9 +24,9 @@ class AxisCore {
   // Plans the move from where the axis stands and hands it to the tick, which starts it at its next call that allows a
   // commit. Refuses kBusy while the axis moves or something is pending; whatever plan_rest_to_rest refuses; limits
   // above the axis's maximum; and, for zero delay, kLimitExceeded naming the limit that binds with the least
-  // duration in seconds that would do. Cost: one plan; a zero-delay move that asks more of the profile than its
-  // limits allow is checked tick by tick on the shaped stream (and the least duration searched for when it fails), so
-  // as many stage ticks as the move is long, at most 32 times over. `report` may be null.
+  // duration in seconds that would do. Cost: one plan; a zero-delay move that asks more of the profile than its limits
+  // allow is checked tick by tick on the shaped stream, and the least duration searched for when it fails: at most 17
+  // runs through the stages, of at most kLongestSearchTicks and the shaper's length each. `report` may be null.
   Status command(const Move& move, MoveReport* report);
 
   // Changes the shaper. It takes effect, at rest, at the next tick that allows a commit. Refuses kBusy while the axis
@@ -71,6 +71,7 @@ class AxisCore {
   Status time_zero_delay(const Move& move, Signal start, Plan& plan, MoveReport& report);
   void hand_over(Pending what, uint32_t epoch);
 
+  void drop_stale_move();
   void take_pending();
   void begin_stop();
   void rest_at(Signal position);

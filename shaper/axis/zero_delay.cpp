@@ -48,6 +48,7 @@ Quantity ShapedMoveCheck::broken_at(uint32_t profile_ticks) {
 }
 
 uint32_t ShapedMoveCheck::least_ticks(uint32_t too_short, uint32_t enough, Quantity& binding) {
+  if (enough > kLongestSearchTicks) return enough;
   while (enough - too_short > 1) {
     const uint32_t middle = too_short + (enough - too_short) / 2;
     const Quantity broken = broken_at(middle);

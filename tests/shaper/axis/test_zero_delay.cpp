@@ -83,6 +83,15 @@ TEST_F(PapersArm, a_duration_shorter_than_the_shaper_names_the_least) {
   TEST_ASSERT_OK(command(1700000, status.accepted, report));
 }
 
+TEST_F(PapersArm, a_profile_of_minutes_is_not_sped_up_beyond_its_limits) {
+  MoveReport report{};
+  Status status = axis.command(Move{1000000, ProfileKind::kSCurve, {1e4, 1e5, 1e5, 1e6}, 100.0, true}, &report);
+  TEST_ASSERT_REFUSED(kLimitExceeded, kDuration, status);
+  status = axis.command(Move{1000000, ProfileKind::kSCurve, {1e4, 1e5, 1e5, 1e6}, status.accepted, true}, &report);
+  TEST_ASSERT_OK(status);
+  TEST_ASSERT_EQUAL_UINT32(100200 + 46, report.total_ticks);
+}
+
 TEST_F(PapersArm, a_short_move_may_ask_more_of_the_profile_than_of_the_stream) {
   // The plain S-curve takes 117 ticks and the shaper 46; the shaper lowers the peaks, so less than the sum will do.
   MoveReport report{};
