@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "firmware/application.hpp"
+
+namespace stillpoint::firmware {
+
+void Application::begin(AxisCore& axis, const Ports& ports) {
+  ports_ = ports;
+  parameters_.load_defaults();
+  parameters_.adopt(axis.config());
+  loop_.begin(axis, *ports.servo);
+  drive_.begin(axis, loop_, parameters_);
+  shaper_.begin(axis, parameters_);
+  registers_.begin({&axis, &loop_, &drive_, &shaper_, &parameters_});
+  client_.begin(*ports.client, kDefaultUnit);
+}
+
+void Application::tick() {
+  ticked_ = true;
+  advance(silence_clock_);
+  loop_.tick();
+}
+
+void Application::own_timer_tick() {
+  if (!ticked_) advance(silence_clock_);
+  ticked_ = false;
+  advance(uptime_ms_);
+  loop_.own_timer_tick();
+}
+
+void Application::poll() {
+  const uint32_t now = load(silence_clock_);
+  feed_watchdog(now);
+  registers_.set_uptime(load(uptime_ms_));
+  drive_.service();
+  if (client_.poll(now)) {
+    client_.reply(modbus::execute(registers_, client_.request(), client_.request_length(), client_.response()));
+  }
+  // Designs and plans take long; an answer with a hole in it would be two broken frames.
+  if (client_.sending()) return;
+  shaper_.service();
+  drive_.take_set_point(shaper_.waiting());
+}
+
+// Alive are this loop and one of the two interrupts: the clock stands when neither comes.
+void Application::feed_watchdog(uint32_t now) {
+  if (now == fed_at_) return;
+  fed_at_ = now;
+  ports_.watchdog->feed();
+}
+
+}  // namespace stillpoint::firmware

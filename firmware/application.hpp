@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: Apache-2.0
+// The whole drive, without a chip: what main.cpp of a target wires to its ports.
+#pragma once
+
+#include <stdint.h>
+
+#include "firmware/control_loop.hpp"
+#include "firmware/drive.hpp"
+#include "firmware/modbus_rtu.hpp"
+#include "firmware/parameters.hpp"
+#include "firmware/register_bank.hpp"
+#include "firmware/shaper_settings.hpp"
+#include "hal/byte_stream.hpp"
+#include "hal/servo_port.hpp"
+#include "hal/watchdog.hpp"
+#include "shaper/axis/axis_core.hpp"
+
+namespace stillpoint::firmware {
+
+constexpr uint8_t kDefaultUnit = 1;
+
+struct Ports {
+  hal::ServoPort* servo;
+  hal::ByteStream* client;  // Modbus RTU
+  hal::Watchdog* watchdog;
+};
+
+// A zero-initialised Application is valid storage (.bss); `begin` makes it work.
+//
+// Contexts. `tick` and `own_timer_tick` may interrupt `poll` at any instruction and touch the control loop, the servo
+// port and the clocks here; everything else belongs to `poll`. What crosses between them crosses in the control loop
+// and in the axis (see there), and in the two clocks, which are 32 bits and written by the tick's context alone.
+class Application {
+ public:
+  // Once, before the first tick. `axis` must have been configured (Axis::configure) by then; its limits become the
+  // registers'.
+  void begin(AxisCore& axis, const Ports& ports);
+
+  // Tick context: once a servo tick (the sync of the servo link, or the chip's timer where the port has no sync).
+  void tick();
+
+  // Interrupt context, same priority as `tick`: once a millisecond of the chip's own timer, whether or not ticks come.
+  void own_timer_tick();
+
+  // Background: for ever, as often as possible. Bounded, except while it plans (see AxisCore::command).
+  void poll();
+
+  // Background, for a target's own displays and for tests.
+  const Drive& drive() const { return drive_; }
+  const RtuCounters& client_counters() const { return client_.counters(); }
+
+ private:
+  static uint32_t load(const uint32_t& word) { return __atomic_load_n(&word, __ATOMIC_ACQUIRE); }
+  static void advance(uint32_t& word) { __atomic_store_n(&word, word + 1, __ATOMIC_RELEASE); }
+
+  void feed_watchdog(uint32_t now);
+
+  Ports ports_ = {};
+  ControlLoop loop_ = {};
+  Drive drive_ = {};
+  ShaperSettings shaper_ = {};
+  Parameters parameters_ = {};
+  RegisterBank registers_ = {};
+  RtuPort client_ = {};
+
+  // The tick context's. silence_clock_ runs with the control ticks, and with the own timer while there are none, so
+  // that a client is heard before the servo link is up.
+  uint32_t silence_clock_ = 0;
+  uint32_t uptime_ms_ = 0;
+  bool ticked_ = false;
+
+  uint32_t fed_at_ = 0;
+};
+
+}  // namespace stillpoint::firmware

@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: Apache-2.0
+// The once-a-tick chain: setpoint out, feedback in, and the watch over both.
+#pragma once
+
+#include <stdint.h>
+
+#include "firmware/registers.hpp"
+#include "hal/servo_port.hpp"
+#include "shaper/axis/axis_core.hpp"
+
+namespace stillpoint::firmware {
+
+constexpr uint32_t kMissingInARowFault = 3;
+constexpr uint32_t kSilentMsFault = 100;
+// A link that stays dead carries no ramp either: the drive is then declared disabled.
+constexpr uint32_t kSilentMsAbandon = 1000;
+
+// One tick's values. Counters only go up, and wrap.
+struct LoopSnapshot {
+  AxisState axis;
+  Signal position;         // newest valid feedback
+  Signal position_change;  // since the feedback of the tick before; kept over missing ones
+  FaultCode fault;         // latched until cleared
+  bool enabled;            // what the drive was told
+  bool feedback_valid;     // the newest feedback was fresh and valid
+  bool link_silent;        // no tick for kSilentMsFault of the own timer
+  uint32_t settled_ticks;  // ticks in a row that the axis stood with its position in the window; stops at the maximum
+  uint32_t ticks;
+  uint32_t missing;
+  uint32_t link_losses;
+};
+
+// Who may call what: `tick` and `own_timer_tick` are the tick's context (interrupts of one priority, or both called
+// from the background); everything else is the background's. The background asks through words of 32 bits that it alone
+// writes; the tick answers in the snapshot. A zero-initialised loop is valid storage.
+//
+// Enabling, the fault latch and the ramp are decided in the tick, so that a background that plans for a second
+// delays none of them.
+class ControlLoop {
+ public:
+  // Background, before the first tick.
+  void begin(AxisCore& axis, hal::ServoPort& servo);
+
+  // --- background -------------------------------------------------------------------------------------------------
+
+  // Asks for the output stage. On: at the next tick with valid feedback and without a fault, from the actual position.
+  // Off: at the next tick, whatever moves; a fault's ramp is not cut short by it.
+  void request_enabled(bool enabled) { store(wanted_enabled_, enabled ? 1 : 0); }
+
+  // Clears the fault once the reaction to it is over. A fault that still exists comes back when enabled again.
+  void request_fault_clear() { store(clear_requested_, load(clear_requested_) + 1); }
+
+  // Half the width of the band around the setpoint in which the axis counts as settled.
+  void set_position_window(uint32_t counts) { store(window_counts_, counts); }
+
+  // Never torn: read again if a tick came between.
+  LoopSnapshot snapshot() const;
+
+  // --- tick -------------------------------------------------------------------------------------------------------
+
+  // Hands over this tick's setpoint and takes the newest feedback. Bounded; no division, no floating point, no error.
+  void tick();
+
+  // Once a millisecond of the chip's own timer.
+  void own_timer_tick();
+
+ private:
+  static uint32_t load(const uint32_t& word) { return __atomic_load_n(&word, __ATOMIC_ACQUIRE); }
+  static void store(uint32_t& word, uint32_t value) { __atomic_store_n(&word, value, __ATOMIC_RELEASE); }
+
+  void obey_clear_and_disable();
+  void enable_if_asked();
+  void take(const hal::ServoFeedback& feedback);
+  uint32_t lost_before(uint16_t sequence);
+  void raise(FaultCode fault);
+  void end_fault_reaction();
+  void count_settled(const AxisState& axis);
+  void publish();
+
+  AxisCore* axis_ = nullptr;
+  hal::ServoPort* servo_ = nullptr;
+
+  // Written by the background alone.
+  uint32_t wanted_enabled_ = 0;
+  uint32_t clear_requested_ = 0;
+  uint32_t window_counts_ = 0;
+
+  // The tick's own.
+  LoopSnapshot state_ = {};
+  uint32_t cleared_ = 0;
+  uint32_t missing_in_a_row_ = 0;
+  uint32_t silent_ms_ = 0;
+  uint16_t last_sequence_ = 0;
+  bool following_ = false;     // last_sequence_ is of the feedback just before
+  bool commit_ = false;        // of the exchange before
+  bool told_enabled_ = false;  // what the drive last heard: it must hear of an off before it is on again
+
+  // Written by the tick, read by the background as version_ tells.
+  LoopSnapshot published_ = {};
+  uint32_t version_ = 0;
+};
+
+}  // namespace stillpoint::firmware

@@ -1,0 +1,167 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "firmware/drive.hpp"
+
+#include "firmware/set_point.hpp"
+
+namespace stillpoint::firmware {
+
+void Drive::begin(AxisCore& axis, ControlLoop& loop, Parameters& parameters) {
+  axis_ = &axis;
+  loop_ = &loop;
+  parameters_ = &parameters;
+  tick_us_ = static_cast<uint32_t>(axis.config().tick_s * 1e6 + 0.5);
+}
+
+void Drive::write_controlword(uint16_t controlword) {
+  const uint32_t rising = controlword & ~uint32_t{controlword_};
+  controlword_ = controlword;
+  if ((controlword & kControlNewSetPoint) == 0) {
+    set_point_waits_ = false;
+    set_point_taken_ = false;
+  }
+  if ((rising & kControlFaultReset) != 0 && state_ == DriveState::kFault) loop_->request_fault_clear();
+  // Only in operation enabled: an edge before is lost, so that enabling never starts a move.
+  if ((rising & kControlNewSetPoint) != 0 && state_ == DriveState::kOperationEnabled) {
+    set_point_waits_ = true;
+    parameters_->note_refusal(0, 0);
+  }
+  service();
+  const bool wants_feedback =
+      state_ == DriveState::kSwitchedOn && command_of(controlword) == DriveCommand::kEnableOperation;
+  if (wants_feedback && !seen_.feedback_valid) {
+    parameters_->note_refusal(kReasonNoFeedback, address_of(Register::kControlword));
+  }
+}
+
+void Drive::service() {
+  // In this order: a tick between the two can then only show a move later than it began, never an end too early.
+  const bool pending = axis_->pending();
+  seen_ = loop_->snapshot();
+  standing_ = !pending && seen_.axis.phase == AxisPhase::kAtRest;
+  if (standing_) moving_ = false;
+  follow_loop();
+  obey();
+  loop_->request_enabled(enabling_ || state_ == DriveState::kOperationEnabled ||
+                         state_ == DriveState::kQuickStopActive);
+}
+
+void Drive::follow_loop() {
+  if (seen_.fault != FaultCode::kNone) {
+    enter(seen_.enabled ? DriveState::kFaultReaction : DriveState::kFault);
+    return;
+  }
+  switch (state_) {
+    case DriveState::kNotReady:
+      if (tick_us_ != 0) enter(DriveState::kSwitchOnDisabled);
+      break;
+    case DriveState::kFaultReaction:
+    case DriveState::kFault: enter(DriveState::kSwitchOnDisabled); break;
+    case DriveState::kSwitchedOn:
+      if (enabling_ && seen_.enabled) enter(DriveState::kOperationEnabled);
+      break;
+    case DriveState::kQuickStopActive:
+      if (standing_) enter(DriveState::kSwitchOnDisabled);
+      break;
+    default: break;
+  }
+}
+
+void Drive::obey() {
+  const DriveState wanted = next_state(state_, command_of(controlword_));
+  if (obey_enable(wanted)) return;
+  if (wanted == state_) {
+    slowing_ = false;
+    if (state_ == DriveState::kOperationEnabled) obey_halt();
+    return;
+  }
+  if (state_ == DriveState::kOperationEnabled && wanted == DriveState::kSwitchedOn && !standing_) {
+    if (!slowing_) stop_motion();
+    slowing_ = true;
+    return;
+  }
+  if (wanted == DriveState::kQuickStopActive) stop_motion();
+  enter(wanted);
+}
+
+// The output stage is asked for only when it is known to be off, or the axis would go on from where it was instead of
+// beginning at the actual position.
+bool Drive::obey_enable(DriveState wanted) {
+  if (state_ != DriveState::kSwitchedOn || wanted != DriveState::kOperationEnabled) {
+    enabling_ = false;
+    return false;
+  }
+  if (!seen_.enabled) enabling_ = true;
+  return true;
+}
+
+void Drive::obey_halt() {
+  if (!halt_asked()) {
+    halting_ = false;
+  } else if (!halting_ && !standing_) {
+    halting_ = true;
+    stop_motion();
+  }
+}
+
+void Drive::stop_motion() {
+  axis_->request_stop();
+  if (moving_) given_up_ = true;
+}
+
+void Drive::enter(DriveState state) {
+  if (state == state_) return;
+  state_ = state;
+  enabling_ = false;
+  slowing_ = false;
+  halting_ = false;
+  set_point_waits_ = false;
+  set_point_taken_ = false;
+  if (state == DriveState::kOperationEnabled) {
+    moving_ = false;
+    given_up_ = false;
+  }
+}
+
+void Drive::take_set_point(bool shaper_waiting) {
+  if (!set_point_waits_ || state_ != DriveState::kOperationEnabled) return;
+  if (halt_asked()) {
+    set_point_waits_ = false;
+    parameters_->note_refusal(kReasonHalted, address_of(Register::kControlword));
+    return;
+  }
+  if (shaper_waiting && !moving_) return;
+  set_point_waits_ = false;
+  const bool relative = (controlword_ & kControlRelative) != 0;
+  Move move = {};
+  MoveReport report = {};
+  Status status = standing_ ? make_move(*parameters_, relative, seen_.axis.demand, move)
+                            : refuse(Error::kBusy, Quantity::kNone, 0.0);
+  if (status.ok()) status = axis_->command(move, &report);
+  if (!status.ok()) {
+    note_move_refusal(status, *parameters_);
+    return;
+  }
+  note_move_report(report, *parameters_);
+  moving_ = true;
+  given_up_ = false;
+  set_point_taken_ = true;
+  // A fault while this was planned: the loop lets nothing start, and the request must not outlive the fault.
+  if (loop_->snapshot().fault != FaultCode::kNone) axis_->request_stop();
+}
+
+bool Drive::target_reached() const {
+  if (state_ != DriveState::kOperationEnabled || moving_ || (given_up_ && !halt_asked())) return false;
+  const uint64_t settled_us = uint64_t{seen_.settled_ticks} * tick_us_;
+  return seen_.settled_ticks != 0 && settled_us >= uint64_t{parameters_->get(Register::kPositionTimeMs)} * 1000U;
+}
+
+uint16_t Drive::statusword() const {
+  uint32_t word = status_bits(state_) | kStatusRemote;
+  if (!seen_.link_silent && seen_.ticks != 0) word |= kStatusVoltageEnabled;
+  if (seen_.link_silent || !seen_.feedback_valid) word |= kStatusWarning;
+  if (target_reached()) word |= kStatusTargetReached;
+  if (set_point_taken_) word |= kStatusSetPointTaken;
+  return static_cast<uint16_t>(word);
+}
+
+}  // namespace stillpoint::firmware

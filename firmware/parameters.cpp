@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "firmware/parameters.hpp"
+
+namespace stillpoint::firmware {
+namespace {
+
+// Both orders in one: a signed value with its sign bit turned round sorts as an unsigned one.
+uint32_t sort_key(const Parameter& parameter, uint32_t value) {
+  return parameter.is_signed() ? value ^ (UINT32_C(1) << 31) : value;
+}
+
+uint32_t whole_register(double value) {
+  if (!(value >= 1.0)) return 1;
+  if (value >= static_cast<double>(UINT32_MAX)) return UINT32_MAX;
+  return static_cast<uint32_t>(value);
+}
+
+}  // namespace
+
+bool in_range(const Parameter& parameter, uint32_t ceiling, uint32_t value, uint32_t& accepted) {
+  const uint32_t key = sort_key(parameter, value);
+  accepted = value;
+  if (key < sort_key(parameter, parameter.minimum)) {
+    accepted = parameter.minimum;
+    return false;
+  }
+  if (key > sort_key(parameter, ceiling)) {
+    accepted = ceiling;
+    return false;
+  }
+  return parameter.allowed == 0 || (value < 32 && ((parameter.allowed >> value) & 1U) != 0);
+}
+
+void Parameters::load_defaults() {
+  for (size_t i = 0; i < kParameterCount; ++i) values_[i] = kParameters[i].initial;
+}
+
+void Parameters::adopt_one(Register name, double value) { set(name, whole_register(value)); }
+
+void Parameters::lower_to(Register name, Register ceiling) {
+  if (get(name) > get(ceiling)) set(name, get(ceiling));
+}
+
+void Parameters::adopt(const AxisConfig& config) {
+  adopt_one(Register::kMaximumVelocity, config.maximum.velocity);
+  const bool even = config.maximum.acceleration <= config.maximum.deceleration;
+  adopt_one(Register::kMaximumAcceleration, even ? config.maximum.acceleration : config.maximum.deceleration);
+  adopt_one(Register::kMaximumJerk, config.maximum.jerk / kJerkUnit);
+  adopt_one(Register::kQuickStopDeceleration, config.quick_stop_deceleration);
+  adopt_one(Register::kQuickStopJerk, config.quick_stop_jerk / kJerkUnit);
+  lower_to(Register::kProfileVelocity, Register::kMaximumVelocity);
+  lower_to(Register::kProfileAcceleration, Register::kMaximumAcceleration);
+  lower_to(Register::kProfileDeceleration, Register::kMaximumAcceleration);
+  lower_to(Register::kProfileJerk, Register::kMaximumJerk);
+}
+
+void Parameters::note_refusal(uint16_t reason, uint16_t culprit, uint32_t accepted) {
+  set(Register::kRefusalReason, reason);
+  set(Register::kRefusedRegister, culprit);
+  set(Register::kRefusalAccepted, accepted);
+}
+
+}  // namespace stillpoint::firmware

@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: Apache-2.0
+// The typed table of everything a client can read or write, and the values. One source for the register map, and later
+// for the stored image and the documentation.
+#pragma once
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include "firmware/registers.hpp"
+#include "shaper/axis/axis_config.hpp"
+
+namespace stillpoint::firmware {
+
+// 1000 counts/s^3 a unit of the jerk registers.
+constexpr double kJerkUnit = 1000.0;
+
+enum class Type : uint8_t { kU16, kI16, kU32, kI32 };
+enum class Access : uint8_t { kRead, kReadWrite, kWrite };
+enum class Lock : uint8_t { kOpen, kNeedsKey };
+
+// What else happens when a value is written; nothing for most.
+enum class Effect : uint8_t { kNone, kControlword, kCommandKey, kApplyShaper, kAxisLimits, kPositionWindow };
+
+struct Parameter {
+  Register name;
+  Type type;
+  Access access;
+  Lock lock;
+  Effect effect;
+  Register ceiling;  // the parameter whose value is this one's maximum, or kNoRegister
+  uint16_t object;   // CiA 402 object, or 0
+  uint32_t minimum;  // these three are the type's own bits
+  uint32_t maximum;
+  uint32_t initial;
+  uint32_t allowed;  // bit v: the value v is one that this firmware can do; 0: all in the range are
+  const char* text;
+  const char* unit;
+
+  constexpr uint32_t words() const { return type == Type::kU32 || type == Type::kI32 ? 2 : 1; }
+  constexpr bool is_signed() const { return type == Type::kI16 || type == Type::kI32; }
+  constexpr bool readable() const { return access != Access::kWrite; }
+  constexpr bool writable() const { return access != Access::kRead; }
+};
+
+constexpr size_t kParameterCount = 80;
+constexpr size_t kNoParameter = kParameterCount;
+
+// Sorted by address.
+extern const Parameter kParameters[kParameterCount];
+
+// The parameter that `address` belongs to (as its only, its high or its low word), or kNoParameter. O(log n).
+size_t find_parameter(uint16_t address);
+
+// Whether `value` (the type's bits; a 16-bit signed one sign-extended) lies in [minimum, ceiling] and is allowed;
+// otherwise `accepted` is the nearest bound, or `value` itself where a value within the bounds is not available.
+bool in_range(const Parameter& parameter, uint32_t ceiling, uint32_t value, uint32_t& accepted);
+
+// The values. Background only. Zero-initialised storage is valid; load_defaults makes it meaningful.
+class Parameters {
+ public:
+  void load_defaults();
+  // Takes the axis's maxima and quick stop, rounded down to whole registers, and lowers the profile to them.
+  void adopt(const AxisConfig& config);
+
+  uint32_t value(size_t index) const { return values_[index]; }
+  void set_value(size_t index, uint32_t value) { values_[index] = value; }
+
+  uint32_t get(Register name) const { return values_[find_parameter(address_of(name))]; }
+  int32_t get_signed(Register name) const { return static_cast<int32_t>(get(name)); }
+  void set(Register name, uint32_t value) { values_[find_parameter(address_of(name))] = value; }
+  void set_signed(Register name, int32_t value) { set(name, static_cast<uint32_t>(value)); }
+
+  // Registers 0012, 0013 and 0016: why something was not done. `accepted` is in the unit of `culprit`, 0 for none.
+  void note_refusal(uint16_t reason, uint16_t culprit, uint32_t accepted = 0);
+
+ private:
+  void adopt_one(Register name, double value);
+  void lower_to(Register name, Register ceiling);
+
+  uint32_t values_[kParameterCount] = {};
+};
+
+}  // namespace stillpoint::firmware

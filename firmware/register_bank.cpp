@@ -1,0 +1,189 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "firmware/register_bank.hpp"
+
+namespace stillpoint::firmware {
+namespace {
+
+constexpr uint16_t kApplyAtRest = 1;
+constexpr uint32_t kAddressSpace = 0x10000;
+
+bool known_key(uint32_t key) {
+  switch (static_cast<CommandKey>(key)) {
+    case CommandKey::kUnlock:
+    case CommandKey::kSave:
+    case CommandKey::kLoadDefaults:
+    case CommandKey::kReset: return true;
+  }
+  return false;
+}
+
+Register limit_register(Quantity quantity) {
+  switch (quantity) {
+    case Quantity::kVelocity: return Register::kMaximumVelocity;
+    case Quantity::kAcceleration: return Register::kMaximumAcceleration;
+    case Quantity::kDeceleration: return Register::kQuickStopDeceleration;
+    default: return Register::kMaximumJerk;
+  }
+}
+
+}  // namespace
+
+// A write that is being checked.
+struct RegisterBank::Request {
+  uint32_t first;
+  uint32_t count;
+  const uint16_t* words;
+
+  uint32_t end() const { return first + count; }
+
+  bool holds(const Parameter& parameter) const {
+    const uint32_t address = address_of(parameter.name);
+    return address >= first && address + parameter.words() <= end();
+  }
+
+  // As the type's bits. `parameter` is one that it holds.
+  uint32_t value_of(const Parameter& parameter) const {
+    const uint16_t* at = words + (address_of(parameter.name) - first);
+    if (parameter.words() == 2) return (uint32_t{at[0]} << 16) | at[1];
+    return parameter.is_signed() ? static_cast<uint32_t>(static_cast<int32_t>(static_cast<int16_t>(at[0]))) : at[0];
+  }
+
+  // Calls visit(parameter, index) for each whole parameter until one returns false.
+  template <typename Visit>
+  bool each(Visit visit) const {
+    for (uint32_t address = first; address < end();) {
+      const size_t index = find_parameter(static_cast<uint16_t>(address));
+      if (!visit(kParameters[index], index)) return false;
+      address += kParameters[index].words();
+    }
+    return true;
+  }
+};
+
+void RegisterBank::begin(const Parts& parts) {
+  parts_ = parts;
+  const double tick_s = parts.axis->config().tick_s;
+  ticks_per_second_ = tick_s > 0.0 ? static_cast<uint32_t>(1.0 / tick_s + 0.5) : 0;
+  parts_.loop->set_position_window(parts_.parameters->get(Register::kPositionWindow));
+}
+
+void RegisterBank::set_uptime(uint32_t uptime_ms) {
+  uptime_ms_ = uptime_ms;
+  if (uptime_ms_ - unlocked_at_ms_ >= kUnlockedMs) unlocked_ = false;
+}
+
+ModbusException RegisterBank::write(uint16_t first, uint32_t count, const uint16_t* words) {
+  const Request request = {first, count, words};
+  ModbusException refused = check_addresses(request);
+  if (refused == ModbusException::kNone) refused = check_values(request);
+  if (refused == ModbusException::kNone) refused = check_state(request);
+  if (refused == ModbusException::kNone) commit(request);
+  return refused;
+}
+
+ModbusException RegisterBank::check_addresses(const Request& request) const {
+  if (request.end() > kAddressSpace) return ModbusException::kIllegalAddress;
+  for (uint32_t address = request.first; address < request.end(); ++address) {
+    const size_t index = find_parameter(static_cast<uint16_t>(address));
+    if (index == kNoParameter || !kParameters[index].writable()) return ModbusException::kIllegalAddress;
+  }
+  return ModbusException::kNone;
+}
+
+ModbusException RegisterBank::check_values(const Request& request) {
+  const bool good = request.each([&](const Parameter& parameter, size_t) {
+    if (!request.holds(parameter)) return false;  // half of a 32-bit value
+    const uint32_t ceiling = parameter.ceiling == kNoRegister ? parameter.maximum : staged(request, parameter.ceiling);
+    const uint32_t value = request.value_of(parameter);
+    if (parameter.effect == Effect::kCommandKey) return known_key(value);
+    uint32_t accepted = 0;
+    if (in_range(parameter, ceiling, value, accepted)) return true;
+    const bool available = accepted == value;
+    parts_.parameters->note_refusal(available ? kReasonNotAvailable : kReasonOutOfRange, address_of(parameter.name),
+                                    available ? 0 : accepted);
+    return false;
+  });
+  return good ? ModbusException::kNone : ModbusException::kIllegalValue;
+}
+
+ModbusException RegisterBank::check_state(const Request& request) {
+  uint16_t reason = 0;
+  Register culprit = kNoRegister;
+  bool limits = false;
+  const bool good = request.each([&](const Parameter& parameter, size_t) {
+    culprit = parameter.name;
+    if (parameter.lock == Lock::kNeedsKey && !unlocked_) reason = kReasonLocked;
+    if (parameter.effect == Effect::kCommandKey) reason = key_refusal(request.value_of(parameter));
+    limits = limits || parameter.effect == Effect::kAxisLimits;
+    return reason == 0;
+  });
+  if (!good) {
+    if (reason != kReasonLocked)
+      parts_.parameters->set(Register::kCommandResult, static_cast<uint32_t>(CommandResult::kFailed));
+    return refuse_state(reason, culprit);
+  }
+  if (!limits) return ModbusException::kNone;
+  const Status status = configure_axis(request);
+  if (status.ok()) return ModbusException::kNone;
+  if (status.error == Error::kBusy) return refuse_state(kReasonNotStanding, culprit);
+  return refuse_state(reason_of(status.error, status.quantity), limit_register(status.quantity));
+}
+
+ModbusException RegisterBank::refuse_state(uint16_t reason, Register culprit) {
+  parts_.parameters->note_refusal(reason, address_of(culprit));
+  return ModbusException::kDeviceBusy;
+}
+
+uint16_t RegisterBank::key_refusal(uint32_t key) const {
+  if (key == static_cast<uint32_t>(CommandKey::kUnlock)) return 0;
+  return unlocked_ ? kReasonNotAvailable : kReasonLocked;
+}
+
+uint32_t RegisterBank::staged(const Request& request, Register name) const {
+  const Parameter& parameter = kParameters[find_parameter(address_of(name))];
+  return request.holds(parameter) ? request.value_of(parameter) : parts_.parameters->get(name);
+}
+
+// Refused while the axis moves, and then nothing has changed.
+Status RegisterBank::configure_axis(const Request& request) {
+  AxisConfig config = parts_.axis->config();
+  config.maximum.velocity = staged(request, Register::kMaximumVelocity);
+  config.maximum.acceleration = staged(request, Register::kMaximumAcceleration);
+  config.maximum.deceleration = config.maximum.acceleration;
+  config.maximum.jerk = staged(request, Register::kMaximumJerk) * kJerkUnit;
+  config.quick_stop_deceleration = staged(request, Register::kQuickStopDeceleration);
+  config.quick_stop_jerk = staged(request, Register::kQuickStopJerk) * kJerkUnit;
+  return parts_.axis->configure(config);
+}
+
+void RegisterBank::commit(const Request& request) {
+  request.each([&](const Parameter& parameter, size_t index) {
+    const uint32_t value = request.value_of(parameter);
+    if (parameter.readable()) parts_.parameters->set_value(index, value);
+    set_off(parameter, value);
+    return true;
+  });
+}
+
+void RegisterBank::set_off(const Parameter& parameter, uint32_t value) {
+  switch (parameter.effect) {
+    case Effect::kControlword: parts_.drive->write_controlword(static_cast<uint16_t>(value)); break;
+    case Effect::kPositionWindow: parts_.loop->set_position_window(value); break;
+    case Effect::kApplyShaper:
+      if (value == kApplyAtRest) {
+        parts_.shaper->request_apply();
+      } else {
+        parts_.shaper->discard();
+      }
+      break;
+    case Effect::kCommandKey:  // the only one that gets here
+      unlocked_ = true;
+      unlocked_at_ms_ = uptime_ms_;
+      parts_.parameters->set(Register::kCommandResult, static_cast<uint32_t>(CommandResult::kDone));
+      break;
+    case Effect::kAxisLimits:  // done by the check, which is the axis's own
+    case Effect::kNone: break;
+  }
+}
+
+}  // namespace stillpoint::firmware

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+// The register map as Modbus sees it: the parameters, checked by their table, with what a write sets off.
+#pragma once
+
+#include <stdint.h>
+
+#include "firmware/drive.hpp"
+#include "firmware/modbus_pdu.hpp"
+#include "firmware/parameters.hpp"
+#include "firmware/shaper_settings.hpp"
+#include "shaper/axis/axis_core.hpp"
+
+namespace stillpoint::firmware {
+
+constexpr uint32_t kUnlockedMs = 60000;
+
+// Background. Zero-initialised storage is valid.
+//
+// A write checks, in this order, each over the whole request before the next: every address (02), every value (03),
+// every lock and state (06). Then all of it is committed, in order of address. A 32-bit value is written whole or not
+// at all. 06 leaves its reason in 0012 and the register in 0013; a value out of range leaves the nearest accepted one
+// in 0016.
+class RegisterBank {
+ public:
+  struct Parts {
+    AxisCore* axis;
+    ControlLoop* loop;
+    Drive* drive;
+    ShaperSettings* shaper;
+    Parameters* parameters;
+  };
+
+  void begin(const Parts& parts);
+
+  // Once a poll, before requests: the own clock, which the unlock key's time runs on.
+  void set_uptime(uint32_t uptime_ms);
+
+  // Everything read in one request belongs to one tick, the one that Drive::service saw last. Write-only registers
+  // read 0.
+  ModbusException read(uint16_t first, uint32_t count, uint16_t* words);
+  ModbusException write(uint16_t first, uint32_t count, const uint16_t* words);
+  // As `write` of one register; half of a 32-bit value is an illegal value.
+  ModbusException write_single(uint16_t address, uint16_t word) { return write(address, 1, &word); }
+
+ private:
+  struct Request;
+
+  void refresh();
+  void refresh_motion(const LoopSnapshot& loop);
+  ModbusException check_addresses(const Request& request) const;
+  ModbusException check_values(const Request& request);
+  ModbusException check_state(const Request& request);
+  ModbusException refuse_state(uint16_t reason, Register culprit);
+  uint16_t key_refusal(uint32_t key) const;
+  uint32_t staged(const Request& request, Register name) const;
+  Status configure_axis(const Request& request);
+  void commit(const Request& request);
+  void set_off(const Parameter& parameter, uint32_t value);
+
+  Parts parts_ = {};
+  uint32_t ticks_per_second_ = 0;
+  uint32_t uptime_ms_ = 0;
+  uint32_t unlocked_at_ms_ = 0;
+  bool unlocked_ = false;
+};
+
+}  // namespace stillpoint::firmware

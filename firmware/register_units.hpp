@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+// From the shaper's doubles to a register's whole numbers, so that the value put into a register is one that would be
+// accepted. Background.
+#pragma once
+
+#include <stdint.h>
+
+namespace stillpoint::firmware {
+
+// Values that are whole but for rounding count as whole.
+constexpr double kRegisterSlack = 1e-6;
+
+constexpr uint32_t register_floor(double value) {
+  const double nudged = value + kRegisterSlack;
+  if (!(nudged >= 1.0)) return 0;
+  return nudged >= static_cast<double>(UINT32_MAX) ? UINT32_MAX : static_cast<uint32_t>(nudged);
+}
+
+constexpr uint32_t register_ceiling(double value) {
+  if (!(value > kRegisterSlack)) return 0;
+  const uint32_t below = register_floor(value);
+  return static_cast<double>(below) >= value - kRegisterSlack || below == UINT32_MAX ? below : below + 1;
+}
+
+// The bits of an i32 register, towards zero.
+constexpr uint32_t signed_register(double value) {
+  return value < 0.0 ? UINT32_C(0) - register_floor(-value) : register_floor(value);
+}
+
+}  // namespace stillpoint::firmware

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "firmware/set_point.hpp"
+
+#include "firmware/register_units.hpp"
+
+namespace stillpoint::firmware {
+namespace {
+
+constexpr int32_t kTrapezoidType = 0;
+constexpr double kMsPerSecond = 1000.0;
+
+Register culprit_of(const Status& status) {
+  if (status.error == Error::kLimitExceeded) return Register::kMoveDurationMs;
+  switch (status.quantity) {
+    case Quantity::kVelocity: return Register::kProfileVelocity;
+    case Quantity::kAcceleration: return Register::kProfileAcceleration;
+    case Quantity::kDeceleration: return Register::kProfileDeceleration;
+    case Quantity::kJerk: return Register::kProfileJerk;
+    case Quantity::kDistance:
+    case Quantity::kPosition: return Register::kTargetPosition;
+    case Quantity::kDuration: return Register::kMoveDurationMs;
+    case Quantity::kKind: return Register::kProfileType;
+    default: return Register::kControlword;
+  }
+}
+
+uint32_t accepted_in(Register culprit, const Status& status) {
+  switch (culprit) {
+    case Register::kTargetPosition: return signed_register(status.accepted);
+    case Register::kProfileJerk: return register_floor(status.accepted / kJerkUnit);
+    case Register::kMoveDurationMs:
+      return status.error == Error::kAboveMaximum ? register_floor(status.accepted * kMsPerSecond)
+                                                  : register_ceiling(status.accepted * kMsPerSecond);
+    default: return register_floor(status.accepted);
+  }
+}
+
+}  // namespace
+
+Status make_move(const Parameters& parameters, bool relative, Signal demand, Move& out) {
+  int64_t target = parameters.get_signed(Register::kTargetPosition);
+  if (relative) target += counts_from_signal(demand);
+  if (target > kMaxPositionCounts || target < kMinPositionCounts) {
+    const bool above = target > kMaxPositionCounts;
+    return refuse(above ? Error::kAboveMaximum : Error::kBelowMinimum, Quantity::kPosition, static_cast<double>(target),
+                  above ? kMaxPositionCounts : kMinPositionCounts);
+  }
+  out.target_counts = static_cast<int32_t>(target);
+  const bool trapezoid = parameters.get_signed(Register::kProfileType) == kTrapezoidType;
+  out.kind = trapezoid ? ProfileKind::kTrapezoid : ProfileKind::kSCurve;
+  out.limits.velocity = parameters.get(Register::kProfileVelocity);
+  out.limits.acceleration = parameters.get(Register::kProfileAcceleration);
+  out.limits.deceleration = parameters.get(Register::kProfileDeceleration);
+  out.limits.jerk = parameters.get(Register::kProfileJerk) * kJerkUnit;
+  out.duration_s = parameters.get(Register::kMoveDurationMs) / kMsPerSecond;
+  out.zero_delay = parameters.get(Register::kZeroDelay) != 0;
+  return kOk;
+}
+
+void note_move_refusal(const Status& status, Parameters& parameters) {
+  const Register culprit = culprit_of(status);
+  parameters.note_refusal(reason_of(status.error, status.quantity), address_of(culprit), accepted_in(culprit, status));
+}
+
+void note_move_report(const MoveReport& report, Parameters& parameters) {
+  parameters.set(Register::kMoveProfileTicks, report.profile_ticks);
+  parameters.set(Register::kMoveTotalTicks, report.total_ticks);
+  parameters.set(Register::kMoveZeroDelayMet, report.zero_delay_met ? 1 : 0);
+}
+
+}  // namespace stillpoint::firmware

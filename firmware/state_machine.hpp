@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+// CiA 402's states (IEC 61800-7-201) as pure functions: what a controlword asks for, where that leads, how the state
+// reads in the statusword. Any context.
+#pragma once
+
+#include <stdint.h>
+
+namespace stillpoint::firmware {
+
+enum class DriveState : uint8_t {
+  kNotReady,
+  kSwitchOnDisabled,
+  kReady,
+  kSwitchedOn,
+  kOperationEnabled,
+  kQuickStopActive,
+  kFaultReaction,
+  kFault,
+};
+
+enum class DriveCommand : uint8_t { kShutdown, kSwitchOn, kEnableOperation, kDisableVoltage, kQuickStop };
+
+constexpr uint16_t kControlNewSetPoint = 1U << 4;
+constexpr uint16_t kControlRelative = 1U << 6;
+constexpr uint16_t kControlFaultReset = 1U << 7;
+constexpr uint16_t kControlHalt = 1U << 8;
+
+constexpr uint16_t kStatusVoltageEnabled = 1U << 4;
+constexpr uint16_t kStatusWarning = 1U << 7;
+constexpr uint16_t kStatusRemote = 1U << 9;
+constexpr uint16_t kStatusTargetReached = 1U << 10;
+constexpr uint16_t kStatusSetPointTaken = 1U << 12;
+
+// The level command in bits 0-3; every pattern is one of them. (Fault reset is an edge, see drive.hpp.)
+constexpr DriveCommand command_of(uint16_t controlword) {
+  if ((controlword & 0x02U) == 0) return DriveCommand::kDisableVoltage;
+  if ((controlword & 0x04U) == 0) return DriveCommand::kQuickStop;
+  if ((controlword & 0x01U) == 0) return DriveCommand::kShutdown;
+  return (controlword & 0x08U) == 0 ? DriveCommand::kSwitchOn : DriveCommand::kEnableOperation;
+}
+
+// One transition; `state` itself where the command means nothing there. Quick stop active leads nowhere but out
+// (option 2 of 605Ah); faults are left by the drive itself.
+DriveState next_state(DriveState state, DriveCommand command);
+
+// Bits 0-3, 5 and 6 of the statusword.
+uint16_t status_bits(DriveState state);
+
+}  // namespace stillpoint::firmware

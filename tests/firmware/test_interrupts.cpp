@@ -1,0 +1,188 @@
+// SPDX-License-Identifier: Apache-2.0
+// The tick as a true interrupt: a timer signal runs it on this thread's stack, wherever the background is.
+#include <signal.h>
+#include <sys/time.h>
+
+#include "tests/firmware/rig.hpp"
+
+using namespace stillpoint;
+using namespace stillpoint::testing;
+
+namespace {
+
+constexpr int64_t kCount = int64_t{1} << 32;
+constexpr size_t kRoom = 400000;  // so that the servo's log never allocates in the signal
+constexpr int kPeriodUs = 100;
+
+void start_signal(void (*handler)(int)) {
+  struct sigaction action = {};
+  action.sa_handler = handler;
+  action.sa_flags = SA_RESTART;
+  sigaction(SIGALRM, &action, nullptr);
+  const itimerval period = {{0, kPeriodUs}, {0, kPeriodUs}};
+  setitimer(ITIMER_REAL, &period, nullptr);
+}
+
+void stop_signal() {
+  const itimerval none = {};
+  setitimer(ITIMER_REAL, &none, nullptr);
+  signal(SIGALRM, SIG_IGN);
+}
+
+struct Interrupted : Rig {
+  static Interrupted* running;
+
+  Interrupted() { servo.commands.reserve(kRoom); }
+  ~Interrupted() { stop_signal(); }
+
+  static void on_signal(int) {
+    if (running->servo.commands.size() == kRoom) return;
+    running->drive.tick();
+    running->drive.own_timer_tick();
+  }
+
+  void start() {
+    running = this;
+    start_signal(on_signal);
+  }
+
+  // As Rig::exchange, but time goes on by itself.
+  Bytes talk(const Bytes& pdu) {
+    Bytes body{1};
+    body.insert(body.end(), pdu.begin(), pdu.end());
+    send(framed(body));
+    while (line.from_drive.empty()) {
+      if (servo.commands.size() == kRoom) FAIL("the drive did not answer");
+      drive.poll();
+    }
+    return answer();
+  }
+  void write_word(uint32_t address, uint32_t word) {
+    Bytes pdu{6};
+    append_word(pdu, address);
+    append_word(pdu, word);
+    TEST_ASSERT_EQUAL_UINT32(0, exception_in(talk(pdu)));
+  }
+  std::vector<uint16_t> words_at(uint32_t first, uint32_t count) {
+    const Bytes response = talk(read_request(first, count));
+    TEST_ASSERT_EQUAL_UINT32(0, exception_in(response));
+    std::vector<uint16_t> words;
+    for (size_t i = 2; i < response.size(); i += 2) {
+      words.push_back(static_cast<uint16_t>((response[i] << 8) | response[i + 1]));
+    }
+    return words;
+  }
+  void wait_for_status(uint32_t mask, uint32_t value) {
+    while ((words_at(0x0041, 1)[0] & mask) != value) continue;
+  }
+  void move(int32_t target) {
+    const auto high = static_cast<uint16_t>(target >> 16);
+    TEST_ASSERT_EQUAL_UINT32(0, exception_in(talk(write_request(0x0044, {high, static_cast<uint16_t>(target)}))));
+    write_word(0x0040, 0x1F);
+    wait_for_status(0x1000, 0x1000);
+    write_word(0x0040, 0x0F);
+  }
+};
+
+Interrupted* Interrupted::running = nullptr;
+
+int32_t wide(const std::vector<uint16_t>& words, size_t at) {
+  return static_cast<int32_t>((uint32_t{words[at]} << 16) | words[at + 1]);
+}
+
+std::vector<int64_t> changes(const std::vector<hal::ServoCommand>& commands) {
+  std::vector<int64_t> stream;
+  for (size_t i = 1; i < commands.size(); ++i) {
+    if (commands[i].setpoint != commands[i - 1].setpoint) stream.push_back(commands[i].setpoint);
+  }
+  return stream;
+}
+
+constexpr int32_t kTargets[] = {30000, -70001, 123457, 123456, -1, 500000};
+const std::vector<uint16_t> kZv11Hz = {1, 0xADB0, 11000, 0, 1, 0, 0, 0};  // 110000e-4 Hz, 0.11
+
+// A move to and fro for ever, watched through the snapshot alone: the servo follows exactly and the two tick counters
+// go together, so a snapshot whose position is not its setpoint, or whose counters part, is of two ticks.
+struct Watched {
+  static Watched* running;
+
+  Axis<64> axis;
+  Servo servo;
+  firmware::ControlLoop loop;
+  int32_t target = 1000000;
+
+  Watched() {
+    TEST_ASSERT_OK(axis.configure(firmware::kDefaultAxis));
+    servo.commands.reserve(kRoom);
+    loop.begin(axis, servo);
+    loop.tick();
+    loop.request_enabled(true);
+    loop.tick();
+    running = this;
+    start_signal([](int) { running->loop.tick(); });
+  }
+  ~Watched() { stop_signal(); }
+};
+
+Watched* Watched::running = nullptr;
+
+TEST_F(Watched, a_snapshot_is_never_of_two_ticks) {
+  uint32_t different = 0;
+  uint32_t last_tick = 0;
+  const firmware::LoopSnapshot first = loop.snapshot();
+  while (different < 4000) {
+    if (servo.commands.size() >= kRoom) FAIL("the background starves");
+    const bool pending = axis.pending();  // before the snapshot: afterwards a move could begin between the two
+    const firmware::LoopSnapshot seen = loop.snapshot();
+    if (seen.position != seen.axis.setpoint) TEST_ASSERT_EQUAL_INT64(seen.axis.setpoint, seen.position);
+    const uint32_t apart = seen.axis.tick - seen.ticks;
+    if (apart != first.axis.tick - first.ticks) TEST_ASSERT_EQUAL_UINT32(first.axis.tick - first.ticks, apart);
+    if (seen.ticks != last_tick) ++different;
+    last_tick = seen.ticks;
+    if (seen.axis.phase != AxisPhase::kAtRest || pending) continue;
+    target = -target;
+    TEST_ASSERT_OK(axis.command({target, ProfileKind::kSCurve, {1e7, 1e9, 1e9, 1e12}, 0.0, false}, nullptr));
+  }
+}
+
+// The servo follows exactly, so a following error other than 0 would be a reading put together from two ticks.
+TEST_F(Interrupted, the_setpoints_are_those_of_a_drive_never_interrupted_and_no_reading_is_torn) {
+  Rig calm;
+  calm.enable();
+  TEST_ASSERT_EQUAL_UINT32(0, calm.write(0x0102, kZv11Hz));
+  TEST_ASSERT_EQUAL_UINT32(0, calm.write_single(0x0100, 1));
+  TEST_ASSERT_EQUAL_UINT32(0, calm.write_single(0x0130, 1));
+  for (const int32_t target : kTargets) {
+    TEST_ASSERT_EQUAL_UINT32(0, calm.write_wide(0x0044, target));
+    calm.control(0x1F);
+    calm.control(0x0F);
+    calm.step(2000);
+    TEST_ASSERT_EQUAL_INT64(target * kCount, calm.servo.setpoint());
+  }
+
+  start();
+  for (const uint32_t word : {0x06U, 0x07U, 0x0FU}) write_word(0x0040, word);
+  wait_for_status(0x006F, 0x0027);
+  TEST_ASSERT_EQUAL_UINT32(0, exception_in(talk(write_request(0x0102, kZv11Hz))));
+  write_word(0x0100, 1);
+  write_word(0x0130, 1);
+  uint32_t readings = 0;
+  for (const int32_t target : kTargets) {
+    TEST_INFO("target", target);
+    move(target);
+    for (;;) {
+      const std::vector<uint16_t> words = words_at(0x0040, 16);
+      ++readings;
+      TEST_ASSERT_EQUAL_INT32(0, wide(words, 0xC));
+      TEST_ASSERT_EQUAL_INT32(wide(words, 0x6), wide(words, 0xA));
+      if ((words[1] & 0x0400) == 0) continue;
+      TEST_ASSERT_EQUAL_INT32(target, wide(words, 0xA));
+      break;
+    }
+  }
+  stop_signal();
+  TEST_ASSERT_AT_LEAST_INT64(100, readings);
+  TEST_ASSERT_TRUE(changes(calm.servo.commands) == changes(servo.commands));
+}
+
+}  // namespace
