@@ -3,7 +3,7 @@
 add_library(stillpoint_flags INTERFACE)
 target_include_directories(stillpoint_flags INTERFACE ${PROJECT_SOURCE_DIR})
 target_compile_options(stillpoint_flags INTERFACE
-  -Wall -Wextra -Werror -Wpedantic -Wconversion -Wsign-conversion -Wdouble-promotion -Wshadow -Wundef -Wcast-align
+  -Wall -Wextra -Werror -Wpedantic -Wconversion -Wsign-conversion -Wshadow -Wundef -Wcast-align
   -Wold-style-cast -Wnon-virtual-dtor -Woverloaded-virtual -Wnull-dereference -Wimplicit-fallthrough -Wformat=2
   -ffp-contract=off)
 if(STILLPOINT_SANITIZE)
@@ -15,7 +15,7 @@ endif()
 add_library(stillpoint_freestanding INTERFACE)
 target_link_libraries(stillpoint_freestanding INTERFACE stillpoint_flags)
 target_compile_options(stillpoint_freestanding INTERFACE
-  -ffreestanding -fno-exceptions -fno-rtti -fno-threadsafe-statics -fno-math-errno)
+  -ffreestanding -fno-exceptions -fno-rtti -fno-threadsafe-statics -fno-math-errno -Wdouble-promotion)
 if(CMAKE_CROSSCOMPILING)
   target_compile_options(stillpoint_freestanding INTERFACE
     -Os -ffunction-sections -fdata-sections -fno-unwind-tables -fno-asynchronous-unwind-tables)

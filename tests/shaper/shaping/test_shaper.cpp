@@ -13,13 +13,16 @@ using stillpoint::testing::Random;
 namespace {
 
 struct Line {
-  Shaper shaper;
-  LineSample memory[4096];
+  Shaper shaper = {};
+  LineSample memory[4096] = {};
 
   void configure(const ShaperDesign& design, Signal position) {
     TEST_ASSERT_OK(shaper.configure(design, memory, 4096, position));
   }
 };
+
+// One for all cases: a chip has room for one.
+Line line = {};
 
 ShaperDesign designed(ShaperKind kind, double frequency_hz, double damping_ratio) {
   ShaperDesign design{};
@@ -30,13 +33,12 @@ ShaperDesign designed(ShaperKind kind, double frequency_hz, double damping_ratio
 }  // namespace
 
 TEST(without_stages_the_input_passes) {
-  Shaper shaper;
+  Shaper shaper = {};
   TEST_ASSERT_EQUAL_INT64(-17, shaper.tick(-17));
   TEST_ASSERT_EQUAL_INT64(INT64_MAX, shaper.tick(INT64_MAX));
 }
 
 TEST(a_filled_line_hands_on_any_standing_position_exactly) {
-  static Line line;
   const Signal positions[] = {0, 1, -1, INT64_MIN, signal_from_counts(INT32_MAX), signal_from_counts(-1) + 12345};
   for (unsigned i = 0; i < 6; ++i) {
     line.configure(designed(ShaperKind::kZvd, 11.0, 0.11), positions[i]);
@@ -45,7 +47,6 @@ TEST(a_filled_line_hands_on_any_standing_position_exactly) {
 }
 
 TEST(a_step_comes_out_as_the_taps_and_ends_on_itself) {
-  static Line line;
   const ShaperDesign design = designed(ShaperKind::kZv, 11.0, 0.11);
   line.configure(design, 0);
   const Signal step = INT64_C(1) << kGainFractionBits;
@@ -57,7 +58,6 @@ TEST(a_step_comes_out_as_the_taps_and_ends_on_itself) {
 }
 
 TEST(a_line_too_short_is_refused_and_the_shaper_before_it_runs_on) {
-  static Line line;
   line.configure(designed(ShaperKind::kZv, 11.0, 0.0), 5);
   const ShaperDesign longer = designed(ShaperKind::kZv, 1.0, 0.0);
   const Status status = line.shaper.configure(longer, line.memory, 100, 9);
@@ -72,7 +72,6 @@ TEST(any_stream_with_the_largest_steps_ends_on_its_last_value_exactly) {
   const uint64_t seed = 31;
   TEST_INFO("seed", seed);
   Random random(seed);
-  static Line line;
   for (int i = 0; i < 20; ++i) {
     TEST_INFO("case", i);
     ShaperDesign design = designed(random.next() % 2 == 0 ? ShaperKind::kZv : ShaperKind::kZvd,
@@ -98,7 +97,6 @@ TEST_HOST(each_output_is_the_exact_convolution_rounded_once_a_stage) {
   const uint64_t seed = 6;
   TEST_INFO("seed", seed);
   Random random(seed);
-  static Line line;
   __extension__ using Exact = __int128;
   const ShaperDesign design = designed(ShaperKind::kZv, 37.3, 0.05);
   line.configure(design, 0);

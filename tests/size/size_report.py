@@ -1,0 +1,92 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""Flash and RAM, as tables; fails above the stated budgets.
+
+usage: size_report.py library BUILD_TREE   the shaper library by module, everything in it counted, used or not
+       size_report.py image BUILD_TREE     the firmware by library and module, as linked
+"""
+import collections
+import pathlib
+import re
+import sys
+
+import elf
+
+# Bytes of flash and RAM. The library has no statics. The image's RAM has the delay lines in it (32 KB) and not the stack.
+BUDGET = {"library": (32 * 1024, 0), "image": (96 * 1024, 64 * 1024)}
+
+FLASH, RAM = 0, 1
+
+
+def by_module_of_library(tree):
+    sizes = collections.defaultdict(lambda: [0, 0])
+    home = tree / "shaper/CMakeFiles/stillpoint_shaper.dir"
+    for path in home.rglob("*.obj"):
+        used = sizes["shaper/" + path.relative_to(home).parent.as_posix()]
+        for section in elf.Elf(path).sections:
+            if section.allocated and not section.name.startswith(".ARM"):
+                if not section.name.startswith(".bss"):
+                    used[FLASH] += section.size
+                if section.name.startswith((".bss", ".data")):
+                    used[RAM] += section.size
+    return sizes
+
+
+def module_of(file, tree, modules):
+    """The module that an object, or a member of an archive, belongs to."""
+    archive = re.fullmatch(r"(.*)\((.*)\)", file)
+    if not archive:
+        return "firmware/target" if file.endswith(".obj") else file
+    library = pathlib.Path(archive[1]).name
+    if library.startswith("libstillpoint_"):
+        return modules.get((library, archive[2]), library)
+    return library.removesuffix(".a")
+
+
+def by_module_of_image(tree):
+    modules = {}
+    for folder, library in (("shaper", "libstillpoint_shaper.a"), ("firmware", "libstillpoint_firmware.a")):
+        for home in (tree / folder / "CMakeFiles").glob("*.dir"):
+            for path in home.rglob("*.obj"):
+                modules[library, path.name] = (pathlib.Path(folder) / path.relative_to(home).parent).as_posix()
+    sizes = collections.defaultdict(lambda: [0, 0])
+    text = (tree / "stillpoint.map").read_text().split("Linker script and memory map")[1]
+    output = None
+    # A name too long for its column goes on in the next line.
+    for line in re.sub(r"(?m)^( \S+)\n +(?=0x)", r"\1 ", text).splitlines():
+        if line[:1] == ".":
+            output = line.split()[0]
+        part = re.fullmatch(r" (\S+) +0x[0-9a-f]+ +0x([0-9a-f]+)(?: (.*))?", line)
+        if not part or output not in (".vectors", ".text", ".rodata", ".data", ".bss", ".ARM.exidx"):
+            continue
+        used = sizes["(alignment)" if part[1] == "*fill*" else module_of(part[3] or "(linker)", tree, modules)]
+        if output != ".bss":
+            used[FLASH] += int(part[2], 16)
+        if output in (".bss", ".data"):
+            used[RAM] += int(part[2], 16)
+    return sizes
+
+
+def linked(tree):
+    sections = {section.name: section.size for section in elf.Elf(tree / "stillpoint.elf").sections if section.allocated}
+    ram = sections.get(".data", 0) + sections.get(".bss", 0)
+    return [sum(sections.values()) - sections.get(".bss", 0), ram]
+
+
+def main():
+    what, tree = sys.argv[1], pathlib.Path(sys.argv[2])
+    sizes = by_module_of_library(tree) if what == "library" else by_module_of_image(tree)
+    print(f"{'module':24}{'flash':>8}{'RAM':>8}   bytes")
+    for module, (flash, ram) in sorted(sizes.items()):
+        if flash or ram:
+            print(f"{module:24}{flash:8}{ram:8}")
+    total = [sum(used[kind] for used in sizes.values()) for kind in (FLASH, RAM)]
+    print(f"{'total':24}{total[FLASH]:8}{total[RAM]:8}")
+    print(f"{'budget':24}{BUDGET[what][FLASH]:8}{BUDGET[what][RAM]:8}")
+    if what == "image" and total != linked(tree):
+        sys.exit(f"error: the table misses something: the image has {linked(tree)}")
+    if total[FLASH] == 0 or any(total[kind] > BUDGET[what][kind] for kind in (FLASH, RAM)):
+        sys.exit("error: above the budget")
+
+
+main()
