@@ -22,9 +22,7 @@ uint64_t get(const uint8_t*& from, size_t bytes) {
   return value;
 }
 
-void seal(uint8_t* frame, size_t bytes) {
-  put(frame + bytes - 2, firmware::crc16(frame, bytes - 2), 2);
-}
+void seal(uint8_t* frame, size_t bytes) { put(frame + bytes - 2, firmware::crc16(frame, bytes - 2), 2); }
 
 bool intact(const uint8_t* frame, size_t bytes, uint8_t header) {
   const uint8_t* crc = frame + bytes - 2;

@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: Apache-2.0
+// The STM32F405's registers that this firmware touches. Names as in ST's reference manual RM0090 and, for the core's
+// own, Arm's ARMv7-M architecture manual (B3). Addresses: RM0090 2.3, table 1.
+#pragma once
+
+#include <stddef.h>
+#include <stdint.h>
+
+namespace stillpoint::stm32f405 {
+
+using Register = volatile uint32_t;
+
+struct Rcc {  // RM0090 7.3
+  Register CR, PLLCFGR, CFGR, CIR, AHB1RSTR, AHB2RSTR, AHB3RSTR, reserved0, APB1RSTR, APB2RSTR, reserved1[2], AHB1ENR,
+      AHB2ENR, AHB3ENR, reserved2, APB1ENR, APB2ENR;
+
+  static constexpr uint32_t kCrHsiOn = 1u << 0, kCrHsiReady = 1u << 1;
+  static constexpr uint32_t kCrHseOn = 1u << 16, kCrHseReady = 1u << 17;
+  static constexpr uint32_t kCrPllOn = 1u << 24, kCrPllReady = 1u << 25;
+  static constexpr uint32_t kPllcfgrSourceHse = 1u << 22;
+  static constexpr uint32_t kCfgrSwitchMask = 3u << 0, kCfgrSwitchPll = 2u << 0;
+  static constexpr uint32_t kCfgrStatusMask = 3u << 2, kCfgrStatusPll = 2u << 2;
+  static constexpr uint32_t kCfgrApb1By4 = 5u << 10, kCfgrApb2By2 = 4u << 13;
+  static constexpr uint32_t kAhb1GpioA = 1u << 0, kAhb1GpioC = 1u << 2;
+  static constexpr uint32_t kApb1Usart2 = 1u << 17;
+  static constexpr uint32_t kApb2Usart1 = 1u << 4;
+};
+static_assert(offsetof(Rcc, APB2ENR) == 0x44, "RM0090 7.3.14");
+
+struct Flash {  // RM0090 3.9
+  Register ACR;
+
+  static constexpr uint32_t kAcrLatencyMask = 7u, kAcrLatency5 = 5u;
+  static constexpr uint32_t kAcrPrefetch = 1u << 8, kAcrInstructionCache = 1u << 9, kAcrDataCache = 1u << 10;
+};
+
+struct Gpio {  // RM0090 8.4
+  Register MODER, OTYPER, OSPEEDR, PUPDR, IDR, ODR, BSRR, LCKR, AFR[2];
+};
+static_assert(offsetof(Gpio, AFR) == 0x20, "RM0090 8.4.9");
+
+struct Usart {  // RM0090 30.6
+  Register SR, DR, BRR, CR1, CR2, CR3, GTPR;
+
+  static constexpr uint32_t kSrReceived = 1u << 5;            // RXNE
+  static constexpr uint32_t kSrTransmitReady = 1u << 7;       // TXE
+  static constexpr uint32_t kCr1ReceiveOn = 1u << 2;          // RE
+  static constexpr uint32_t kCr1TransmitOn = 1u << 3;         // TE
+  static constexpr uint32_t kCr1ReceiveInterrupt = 1u << 5;   // RXNEIE
+  static constexpr uint32_t kCr1TransmitInterrupt = 1u << 7;  // TXEIE
+  static constexpr uint32_t kCr1ParityOn = 1u << 10;          // PCE, even while PS is 0
+  static constexpr uint32_t kCr1NineBits = 1u << 12;          // M: the word with its parity bit
+  static constexpr uint32_t kCr1UsartOn = 1u << 13;           // UE
+  static constexpr uint32_t kCr1OversampleBy8 = 1u << 15;     // OVER8
+};
+
+struct Iwdg {  // RM0090 21.4
+  Register KR, PR, RLR, SR;
+
+  static constexpr uint32_t kKeyFeed = 0xAAAA, kKeyUnlock = 0x5555, kKeyStart = 0xCCCC;
+  static constexpr uint32_t kPrescaleBy64 = 4;
+  static constexpr uint32_t kSrBusy = 3;
+};
+
+struct SysTick {  // ARMv7-M B3.3
+  Register CTRL, LOAD, VAL, CALIB;
+
+  static constexpr uint32_t kCtrlOn = 1u << 0, kCtrlInterrupt = 1u << 1, kCtrlProcessorClock = 1u << 2;
+};
+
+struct Scb {  // ARMv7-M B3.2
+  Register CPUID, ICSR, VTOR, AIRCR, SCR, CCR, SHPR[3], SHCSR, CFSR, HFSR, DFSR, MMFAR, BFAR, AFSR, reserved[18], CPACR;
+
+  static constexpr uint32_t kIcsrSysTickPending = 1u << 26;  // PENDSTSET
+  static constexpr uint32_t kShcsrFaultsOn = 7u << 16;       // usage, bus, memory management
+  static constexpr uint32_t kCpacrFpu = 0xFu << 20;          // CP10 and CP11, full access
+};
+static_assert(offsetof(Scb, CPACR) == 0x88, "ARMv7-M B3.2.20");
+
+struct Nvic {  // ARMv7-M B3.4
+  Register ISER[8], reserved0[24], ICER[8], reserved1[24], ISPR[8], reserved2[24], ICPR[8], reserved3[24], IABR[8],
+      reserved4[56];
+  volatile uint8_t IPR[240];
+};
+static_assert(offsetof(Nvic, IPR) == 0x300, "ARMv7-M B3.4");
+
+template <typename T, uintptr_t kAddress>
+inline T& at() {
+  return *reinterpret_cast<T*>(kAddress);
+}
+
+inline Rcc& rcc() { return at<Rcc, 0x40023800>(); }
+inline Flash& flash() { return at<Flash, 0x40023C00>(); }
+inline Gpio& gpio_a() { return at<Gpio, 0x40020000>(); }
+inline Gpio& gpio_c() { return at<Gpio, 0x40020800>(); }
+inline Usart& usart1() { return at<Usart, 0x40011000>(); }
+inline Usart& usart2() { return at<Usart, 0x40004400>(); }
+inline Iwdg& iwdg() { return at<Iwdg, 0x40003000>(); }
+inline SysTick& systick() { return at<SysTick, 0xE000E010>(); }
+inline Scb& scb() { return at<Scb, 0xE000ED00>(); }
+inline Nvic& nvic() { return at<Nvic, 0xE000E100>(); }
+
+// Positions in the vector table (RM0090 12.2, table 61).
+enum class Interrupt : uint32_t { kUsart1 = 37, kUsart2 = 38 };
+constexpr uint32_t kInterruptCount = 82;
+
+// The four priority bits that the chip has. Lower is more urgent; equal ones never interrupt each other.
+enum class Priority : uint8_t { kTick = 0x40, kClient = 0x80 };
+
+inline void enable(Interrupt interrupt, Priority priority) {
+  const uint32_t number = static_cast<uint32_t>(interrupt);
+  nvic().IPR[number] = static_cast<uint8_t>(priority);
+  nvic().ISER[number / 32] = 1u << (number % 32);
+}
+
+inline void pend(Interrupt interrupt) {
+  const uint32_t number = static_cast<uint32_t>(interrupt);
+  nvic().ISPR[number / 32] = 1u << (number % 32);
+}
+
+}  // namespace stillpoint::stm32f405
