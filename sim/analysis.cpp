@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sim/analysis.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <map>
+
+namespace stillpoint::sim {
+namespace {
+
+constexpr long double kPi = 3.141592653589793238462643383279502884L;
+
+struct Pole {
+  long double decay;   // zeta w
+  long double damped;  // wd
+};
+
+Pole pole_of(const Mode& mode) {
+  const long double w = 2.0L * kPi * static_cast<long double>(mode.frequency_hz);
+  const long double zeta = static_cast<long double>(mode.damping_ratio);
+  return Pole{zeta * w, w * std::sqrt((1.0L - zeta) * (1.0L + zeta))};
+}
+
+long double gain_of(const Tap& tap) { return std::ldexp(static_cast<long double>(tap.gain), -kGainFractionBits); }
+
+std::vector<Impulse> impulses_of(const ShaperDesign& design, const Stage& stage, double tick_s) {
+  std::vector<Impulse> impulses;
+  for (uint32_t i = stage.first_tap; i < stage.first_tap + stage.tap_count; ++i) {
+    const Tap& tap = design.taps[i];
+    impulses.push_back({static_cast<long double>(tap.delay_ticks) * static_cast<long double>(tick_s), gain_of(tap)});
+  }
+  return impulses;
+}
+
+// Between `inside`, where the residual is tolerated, and `outside`, where it is not.
+double edge(const ShaperDesign& design, Mode mode, double tolerance, double tick_s, double inside, double outside) {
+  for (int i = 0; i < 60; ++i) {
+    mode.frequency_hz = 0.5 * (inside + outside);
+    const bool tolerated = residual_on_grid(design, mode, tick_s) <= static_cast<long double>(tolerance);
+    (tolerated ? inside : outside) = mode.frequency_hz;
+  }
+  return inside;
+}
+
+}  // namespace
+
+std::vector<Impulse> continuous_impulses(const ShaperSpec& spec) {
+  if (spec.kind == ShaperKind::kNone) return {};
+  const Pole pole = pole_of(spec.mode);
+  const long double half_period = kPi / pole.damped;
+  const long double k = std::exp(-pole.decay * half_period);
+  if (spec.kind == ShaperKind::kZv) return {{0.0L, 1.0L / (1.0L + k)}, {half_period, k / (1.0L + k)}};
+  const long double sum = (1.0L + k) * (1.0L + k);
+  return {{0.0L, 1.0L / sum}, {half_period, 2.0L * k / sum}, {2.0L * half_period, k * k / sum}};
+}
+
+long double residual(const std::vector<Impulse>& impulses, const Mode& mode) {
+  if (impulses.empty()) return 1.0L;
+  const Pole pole = pole_of(mode);
+  const long double end = impulses.back().time_s;
+  std::complex<long double> sum = 0.0L;
+  for (const Impulse& impulse : impulses) {
+    // exp(-zeta w t_n) is taken in here: no term can overflow.
+    const long double amplitude = impulse.amplitude * std::exp(pole.decay * (impulse.time_s - end));
+    const long double angle = pole.damped * impulse.time_s;
+    sum += std::complex<long double>(amplitude * std::cos(angle), amplitude * std::sin(angle));
+  }
+  return std::abs(sum);
+}
+
+long double residual_on_grid(const ShaperDesign& design, const Mode& mode, double tick_s) {
+  long double product = 1.0L;
+  for (uint32_t i = 0; i < design.stage_count; ++i) {
+    product *= residual(impulses_of(design, design.stages[i], tick_s), mode);
+  }
+  return product;
+}
+
+Band tolerated_band(const ShaperDesign& design, const Mode& mode, double tolerance, double tick_s) {
+  const double f = mode.frequency_hz;
+  const auto tolerated = [&](double frequency) {
+    const Mode other{frequency, mode.damping_ratio};
+    return residual_on_grid(design, other, tick_s) <= static_cast<long double>(tolerance);
+  };
+  if (!tolerated(f)) return Band{1.0, 1.0};
+  constexpr double kStep = 1e-3;  // of f; a hump above the tolerance spans many of these
+  double low = f;
+  while (low > kStep * f && tolerated(low - kStep * f)) low -= kStep * f;
+  const double below = std::max(low - kStep * f, 0.0);
+  low = edge(design, mode, tolerance, tick_s, low, below);
+  const double nyquist = 0.5 / tick_s;
+  double high = f;
+  while (high < nyquist && tolerated(std::min(high + kStep * f, nyquist))) high = std::min(high + kStep * f, nyquist);
+  if (high < nyquist) high = edge(design, mode, tolerance, tick_s, high, std::min(high + kStep * f, nyquist));
+  return Band{low / f, high / f};
+}
+
+std::vector<ImpulseTap> multiplied_out(const ShaperDesign& design, size_t most) {
+  std::map<uint32_t, long double> product = {{0, 1.0L}};
+  for (uint32_t i = 0; i < design.stage_count; ++i) {
+    const Stage& stage = design.stages[i];
+    std::map<uint32_t, long double> next;
+    for (const auto& [delay, gain] : product) {
+      for (uint32_t k = stage.first_tap; k < stage.first_tap + stage.tap_count; ++k) {
+        next[delay + design.taps[k].delay_ticks] += gain * gain_of(design.taps[k]);
+      }
+    }
+    if (next.size() > most) return {};
+    product = next;
+  }
+  std::vector<ImpulseTap> taps;
+  for (const auto& [delay, gain] : product) taps.push_back({delay, gain});
+  return taps;
+}
+
+long double peak_gain(const ShaperDesign& design) {
+  const std::vector<ImpulseTap> taps = multiplied_out(design, kMostTaps);
+  long double sum = 0.0L;
+  for (const ImpulseTap& tap : taps) sum += std::abs(tap.gain);
+  if (!taps.empty()) return sum;
+  sum = 1.0L;
+  for (uint32_t i = 0; i < design.stage_count; ++i) {
+    const Stage& stage = design.stages[i];
+    long double stage_sum = 0.0L;
+    for (uint32_t k = stage.first_tap; k < stage.first_tap + stage.tap_count; ++k) {
+      stage_sum += std::abs(gain_of(design.taps[k]));
+    }
+    sum *= stage_sum;
+  }
+  return sum;
+}
+
+}  // namespace stillpoint::sim

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a command is: a CLI11 subcommand and what to do once all arguments are known to be understood.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace stillpoint::cli {
+
+// Where results go, for every command.
+struct Output {
+  bool json = false;
+  std::string csv;
+  std::string plot;
+};
+
+struct Command {
+  CLI::App* app;
+  std::function<int()> run;  // returns the exit code; throws sim::Refusal
+};
+
+class Commands {
+ public:
+  explicit Commands(CLI::App& app) : app_(app) {}
+
+  CLI::App& add(const std::string& name, const std::string& description, std::function<int()> run);
+
+  // Parses, runs, and turns every refusal into its one line and exit code.
+  int main(int argc, char** argv, Output& output);
+
+ private:
+  int dispatch();
+
+  CLI::App& app_;
+  std::vector<Command> commands_;
+};
+
+// --NAME VALUE as text: turned into a number by options.hpp, whose refusals say what would be accepted.
+CLI::Option* add_value(CLI::App& app, const std::string& name, std::string& value, const std::string& placeholder,
+                       const std::string& help);
+// The same, may be repeated.
+CLI::Option* add_values(CLI::App& app, const std::string& name, std::vector<std::string>& values,
+                        const std::string& placeholder, const std::string& help);
+void add_output(CLI::App& app, Output& output);
+void add_json(CLI::App& app, Output& output);
+
+// One a file.
+void add_design(Commands& commands, Output& output);
+void add_profile(Commands& commands, Output& output);
+void add_shape(Commands& commands);
+void add_move(Commands& commands, Output& output);
+void add_hil(Commands& commands, Output& output);
+void add_demo(Commands& commands, Output& output);
+
+}  // namespace stillpoint::cli

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+
+namespace stillpoint::cli {
+
+// Keeps the order in which keys are added.
+using Json = nlohmann::ordered_json;
+
+// A number with exactly these digits, where a double's shortest form would not do.
+Json exact_number(const std::string& decimal);
+
+// null for nothing.
+Json optional_number(const std::optional<double>& value);
+
+// The object and a line feed on standard output.
+void print_json(const Json& object);
+
+}  // namespace stillpoint::cli

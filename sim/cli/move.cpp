@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+// `stillpoint move`: a move plain and shaped, on the simulated arm.
+#include <fmt/format.h>
+
+#include <memory>
+
+#include "sim/cli/command.hpp"
+#include "sim/cli/move_job.hpp"
+#include "sim/cli/move_output.hpp"
+
+namespace stillpoint::cli {
+namespace {
+
+int run(const MoveJobOptions& options, const Output& output) {
+  check_picture(output.plot);
+  const MoveJob job = job_of(options);
+  const sim::Comparison comparison = run_on_host(job);
+  if (!output.csv.empty()) write_move_csv(output.csv, "move", job, comparison);
+  if (!output.plot.empty()) draw(output.plot, picture_of("stillpoint move: plain against shaped", job, comparison));
+  if (output.json) {
+    Json object = {{"result", "ok"}};
+    object.update(json_of(comparison));
+    print_json(object);
+  } else {
+    print_comparison(comparison);
+  }
+  return 0;
+}
+
+}  // namespace
+
+void add_move(Commands& commands, Output& output) {
+  const auto options = std::make_shared<MoveJobOptions>();
+  CLI::App& app = commands.add("move", "Runs a move plain and shaped on the simulated arm.",
+                               [options, &output] { return run(*options, output); });
+  add_move_job(app, *options);
+  add_output(app, output);
+}
+
+}  // namespace stillpoint::cli

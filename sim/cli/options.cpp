@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sim/cli/options.hpp"
+
+#include <cmath>
+
+#include "sim/refusal.hpp"
+#include "sim/text.hpp"
+
+namespace stillpoint::cli {
+namespace {
+
+using sim::bad_argument;
+using sim::parse_number;
+using sim::parse_positive;
+
+std::string needed(const std::string& text, const std::string& option, const std::string& what) {
+  if (text.empty()) throw bad_argument(option, "missing", what + " is needed, `" + option + " NUMBER` is accepted");
+  return text;
+}
+
+int32_t distance_counts(const MoveOptions& options, double counts_per_unit) {
+  const double distance = parse_number(needed(options.distance, "--distance", "a distance"), "--distance");
+  const double counts = std::round(distance * counts_per_unit);
+  constexpr double kMost = kMaxPositionCounts;
+  if (!(std::abs(counts) <= kMost)) {
+    throw bad_argument("--distance", options.distance,
+                       "beyond the range of positions, at most " + sim::shortest(kMost / counts_per_unit) +
+                           " either way is accepted with --counts-per-unit " + options.counts_per_unit);
+  }
+  if (counts == 0.0 && distance != 0.0) {
+    throw bad_argument(
+        "--distance", options.distance,
+        "less than half a count, 0 or at least " + sim::shortest(0.5 / counts_per_unit) + " is accepted");
+  }
+  return static_cast<int32_t>(counts);
+}
+
+// Left out: an s-curve where a jerk is given to plan it with, a trapezoid where not.
+ProfileKind kind_of(const MoveOptions& options) {
+  if (options.kind.empty()) return options.jerk.empty() ? ProfileKind::kTrapezoid : ProfileKind::kSCurve;
+  if (options.kind == "s-curve") return ProfileKind::kSCurve;
+  if (options.kind == "trapezoid") return ProfileKind::kTrapezoid;
+  throw bad_argument("--kind", options.kind, "not a known kind of profile, accepted: s-curve trapezoid");
+}
+
+// What a limit in units is in counts. Beyond the range of doubles it would no longer be one.
+double in_counts(const std::string& text, const std::string& option, double counts_per_unit) {
+  const double counts = parse_positive(text, option) * counts_per_unit;
+  if (counts > 0.0 && std::isfinite(counts)) return counts;
+  throw bad_argument(option, text, "not a finite number of counts above zero, a value nearer to 1 is accepted");
+}
+
+}  // namespace
+
+void add_tick(CLI::App& app, TickOption& option) {
+  add_value(app, "--tick", option.tick, "S", "period of the setpoints, seconds (default 0.001)");
+}
+
+double tick_of(const TickOption& option) { return parse_positive(option.tick, "--tick"); }
+
+void add_shaper(CLI::App& app, ShaperOption& option) {
+  add_values(app, "--shaper", option.specs, "SPEC",
+             "TYPE:FREQUENCY:DAMPING[:v=TOLERANCE], frequency in Hz (natural), damping ratio; types: zv zvd none; "
+             "several modes: joined by +, or the option repeated");
+}
+
+std::vector<sim::ShaperSpec> specs_of(const ShaperOption& option) {
+  if (option.specs.empty()) {
+    throw bad_argument("--shaper", "missing",
+                       "a shaper is needed, `--shaper zv:11:0.11` or `--shaper none` is accepted");
+  }
+  std::vector<sim::ShaperSpec> all;
+  for (const std::string& text : option.specs) {
+    const std::vector<sim::ShaperSpec> specs = sim::parse_shapers(text);
+    all.insert(all.end(), specs.begin(), specs.end());
+  }
+  return all;
+}
+
+void add_move_options(CLI::App& app, MoveOptions& options) {
+  add_value(app, "--distance", options.distance, "D", "signed distance to move [unit]");
+  add_value(app, "--velocity", options.velocity, "V", "velocity limit [unit/s]");
+  add_value(app, "--acceleration", options.acceleration, "A", "acceleration limit [unit/s^2]");
+  add_value(app, "--deceleration", options.deceleration, "D", "deceleration limit [unit/s^2] (default: acceleration)");
+  add_value(app, "--jerk", options.jerk, "J", "jerk limit [unit/s^3]; the s-curve needs it");
+  add_value(app, "--kind", options.kind, "KIND", "s-curve or trapezoid (default: s-curve if there is a jerk limit)");
+  add_value(app, "--duration", options.duration, "T", "wanted duration [s] (default: the least the limits allow)");
+  add_value(app, "--counts-per-unit", options.counts_per_unit, "N", "drive counts a unit (default 1000000)");
+  add_tick(app, options.tick);
+}
+
+sim::MoveTask task_of(const MoveOptions& options) {
+  sim::MoveTask task{};
+  task.tick_s = tick_of(options.tick);
+  const double unit = parse_positive(options.counts_per_unit, "--counts-per-unit");
+  task.counts_per_unit = unit;
+  task.distance_counts = distance_counts(options, unit);
+  task.kind = kind_of(options);
+  task.limits.velocity = in_counts(needed(options.velocity, "--velocity", "a velocity limit"), "--velocity", unit);
+  task.limits.acceleration =
+      in_counts(needed(options.acceleration, "--acceleration", "an acceleration limit"), "--acceleration", unit);
+  task.limits.deceleration =
+      options.deceleration.empty() ? task.limits.acceleration : in_counts(options.deceleration, "--deceleration", unit);
+  // A trapezoid does not look at it, but an axis wants to see a limit.
+  task.limits.jerk = task.limits.acceleration / task.tick_s;
+  if (task.kind == ProfileKind::kSCurve || !options.jerk.empty()) {
+    task.limits.jerk = in_counts(needed(options.jerk, "--jerk", "a jerk limit for the s-curve"), "--jerk", unit);
+  }
+  if (!options.duration.empty()) task.duration_s = parse_positive(options.duration, "--duration");
+  return task;
+}
+
+const char* kind_name(ProfileKind kind) { return kind == ProfileKind::kTrapezoid ? "trapezoid" : "s-curve"; }
+
+Settings settings_of(const sim::MoveTask& task) {
+  const double unit = task.counts_per_unit;
+  Settings settings = {
+      {"distance", sim::shortest(task.distance_counts / unit) + " unit"},
+      {"kind", kind_name(task.kind)},
+      {"velocity limit", sim::shortest(task.limits.velocity / unit) + " unit/s"},
+      {"acceleration limit", sim::shortest(task.limits.acceleration / unit) + " unit/s^2"},
+      {"deceleration limit", sim::shortest(task.limits.deceleration / unit) + " unit/s^2"},
+  };
+  if (task.kind == ProfileKind::kSCurve) {
+    settings.emplace_back("jerk limit", sim::shortest(task.limits.jerk / unit) + " unit/s^3");
+  }
+  settings.emplace_back("duration", task.duration_s > 0.0 ? sim::shortest(task.duration_s) + " s" : "least");
+  settings.emplace_back("counts per unit", sim::shortest(unit));
+  settings.emplace_back("tick", sim::shortest(task.tick_s) + " s");
+  return settings;
+}
+
+}  // namespace stillpoint::cli

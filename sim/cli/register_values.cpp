@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sim/cli/register_values.hpp"
+
+#include <cmath>
+
+#include "firmware/default_axis.hpp"
+#include "firmware/parameters.hpp"
+#include "firmware/registers.hpp"
+#include "sim/refusal.hpp"
+#include "sim/text.hpp"
+
+namespace stillpoint::cli {
+namespace {
+
+constexpr double kMsPerSecond = 1e3;
+constexpr double kFrequencyPerHz = 1e4;
+constexpr double kDampingPerOne = 1e5;
+constexpr double kTolerancePerOne = 1e4;
+constexpr int16_t kTrapezoidType = 0;
+constexpr int16_t kSCurveType = 3;
+
+// `value` in the register's unit; `shown` as the user gave it, in a unit of `per_shown` register units.
+uint32_t to_register(const std::string& what, double value, double per_shown, double low, double high) {
+  const double nearest = std::round(value);
+  if (nearest >= low && nearest <= high) return static_cast<uint32_t>(nearest);
+  throw sim::bad_argument(what, sim::shortest(value / per_shown),
+                          "beyond the drive's register, " + sim::shortest(low / per_shown) + " to " +
+                              sim::shortest(high / per_shown) + " is accepted");
+}
+
+uint16_t kind_register(ShaperKind kind) {
+  switch (kind) {
+    case ShaperKind::kNone: return 0;
+    case ShaperKind::kZv: return 1;
+    case ShaperKind::kZvd: return 2;
+  }
+  return 0;
+}
+
+sim::MoveTask rounded(const sim::MoveTask& task) {
+  const MoveRegisters registers = registers_of(task);
+  sim::MoveTask exact = task;
+  exact.limits.velocity = registers.velocity;
+  exact.limits.acceleration = registers.acceleration;
+  exact.limits.deceleration = registers.deceleration;
+  exact.limits.jerk = registers.jerk * firmware::kJerkUnit;
+  exact.duration_s = registers.duration_ms / kMsPerSecond;
+  return exact;
+}
+
+}  // namespace
+
+MoveRegisters registers_of(const sim::MoveTask& task) {
+  if (task.tick_s != firmware::kDefaultAxis.tick_s) {
+    throw sim::bad_argument("--tick", sim::shortest(task.tick_s),
+                            "not the firmware's, " + sim::shortest(firmware::kDefaultAxis.tick_s) + " is accepted");
+  }
+  constexpr double kMost = UINT32_MAX;
+  const double unit = task.counts_per_unit;
+  const double jerk = task.limits.jerk / firmware::kJerkUnit;
+  MoveRegisters registers{};
+  registers.target = task.distance_counts;
+  registers.velocity = to_register("velocity", task.limits.velocity, unit, 1.0, kMost);
+  registers.acceleration = to_register("acceleration", task.limits.acceleration, unit, 1.0, kMost);
+  registers.deceleration = to_register("deceleration", task.limits.deceleration, unit, 1.0, kMost);
+  const bool trapezoid = task.kind == ProfileKind::kTrapezoid;
+  // The trapezoid takes no notice of its jerk; any will do.
+  registers.jerk = trapezoid ? 1U : to_register("jerk", jerk, unit / firmware::kJerkUnit, 1.0, kMost);
+  registers.kind = trapezoid ? kTrapezoidType : kSCurveType;
+  // A duration of nothing means the least; one asked for is not rounded to that.
+  const double shortest_ms = task.duration_s > 0.0 ? 1.0 : 0.0;
+  registers.duration_ms = to_register("duration", task.duration_s * kMsPerSecond, kMsPerSecond, shortest_ms, kMost);
+  registers.zero_delay = task.zero_delay ? 1 : 0;
+  return registers;
+}
+
+std::vector<ModeRegisters> registers_of(const std::vector<sim::ShaperSpec>& specs) {
+  if (specs.size() > firmware::kMaxModes) {
+    throw sim::bad_argument(
+        "--shaper", std::to_string(specs.size()) + " modes",
+        "more than the drive has registers for, at most " + std::to_string(firmware::kMaxModes) + " are accepted");
+  }
+  std::vector<ModeRegisters> all;
+  for (const sim::ShaperSpec& spec : specs) {
+    ModeRegisters mode{};
+    mode.frequency = to_register("frequency", spec.mode.frequency_hz * kFrequencyPerHz, kFrequencyPerHz, 5000, 3000000);
+    mode.damping = static_cast<uint16_t>(
+        to_register("damping ratio", spec.mode.damping_ratio * kDampingPerOne, kDampingPerOne, 0, 30000));
+    mode.tolerance =
+        static_cast<uint16_t>(to_register("tolerance", spec.tolerance * kTolerancePerOne, kTolerancePerOne, 10, 2000));
+    mode.kind = kind_register(spec.kind);
+    all.push_back(mode);
+  }
+  return all;
+}
+
+MoveJob rounded(const MoveJob& job) {
+  MoveJob exact = job;
+  exact.plain = rounded(job.plain);
+  exact.shaped = rounded(job.shaped);
+  const std::vector<ModeRegisters> modes = registers_of(job.specs);
+  for (size_t i = 0; i < modes.size(); ++i) {
+    exact.specs[i].mode = {modes[i].frequency / kFrequencyPerHz, modes[i].damping / kDampingPerOne};
+    exact.specs[i].tolerance = modes[i].tolerance / kTolerancePerOne;
+  }
+  exact.design = sim::design_for(exact.specs, exact.plain.tick_s);
+  return exact;
+}
+
+}  // namespace stillpoint::cli

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+// A move and its shapers as the drive's registers hold them (drive-map.md): what the chip is given, and, rounded alike,
+// what the host runs from.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "sim/cli/move_job.hpp"
+
+namespace stillpoint::cli {
+
+struct ModeRegisters {
+  uint32_t frequency;  // 1e-4 Hz
+  uint16_t damping;    // 1e-5
+  uint16_t tolerance;  // 0.01 %
+  uint16_t kind;
+};
+
+struct MoveRegisters {
+  int32_t target;         // counts
+  uint32_t velocity;      // counts/s
+  uint32_t acceleration;  // counts/s^2
+  uint32_t deceleration;
+  uint32_t jerk;  // 1000 counts/s^3
+  int16_t kind;
+  uint32_t duration_ms;
+  uint16_t zero_delay;
+};
+
+// Each to the nearest register value. Refuses what no register can hold, and a tick that is not the firmware's.
+MoveRegisters registers_of(const sim::MoveTask& task);
+std::vector<ModeRegisters> registers_of(const std::vector<sim::ShaperSpec>& specs);
+
+// The job with every quantity as its register has it.
+MoveJob rounded(const MoveJob& job);
+
+}  // namespace stillpoint::cli

@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sim/experiment.hpp"
+
+#include <algorithm>
+#include <memory>
+
+#include "shaper/axis/axis.hpp"
+#include "sim/refusal.hpp"
+#include "sim/text.hpp"
+
+namespace stillpoint::sim {
+namespace {
+
+constexpr size_t kLineCapacity = size_t{1} << 17;  // two ZVDs of 0.02 Hz at a millisecond
+constexpr size_t kTicksBetweenReports = size_t{1} << 18;
+using HostAxis = Axis<kLineCapacity>;
+
+// An axis must have quick-stop limits; no experiment here stops. A count a tick^2, a tick^3: valid at any tick.
+AxisConfig config_of(const MoveTask& task) {
+  const double per_tick = 1.0 / task.tick_s;
+  return AxisConfig{task.tick_s, task.limits, per_tick * per_tick, per_tick * per_tick * per_tick};
+}
+
+}  // namespace
+
+Recording run_axis(const MoveTask& task, const ShaperDesign& design, const OnProgress& on_progress) {
+  const auto axis = std::make_unique<HostAxis>();
+  require(axis->configure(config_of(task)), task.counts_per_unit);
+  axis->reset(0);
+  require(axis->set_shaper(design));
+  static_cast<void>(axis->tick());
+  Recording recording{};
+  const Move move{task.distance_counts, task.kind, task.limits, task.duration_s, task.zero_delay};
+  require(axis->command(move, &recording.report), task.counts_per_unit);
+  const uint32_t total = recording.report.total_ticks;
+  if (total > kMostRecordedTicks) {
+    throw bad_argument(
+        "duration", shortest(total * task.tick_s),
+        "longer than is recorded, at most " + shortest(kMostRecordedTicks * task.tick_s) + " s is accepted");
+  }
+  recording.setpoints.reserve(total + 2U);
+  recording.setpoints.push_back(0);
+  do {
+    recording.setpoints.push_back(axis->tick());
+    const size_t ticks = recording.setpoints.size();
+    if (on_progress && ticks % kTicksBetweenReports == 0) on_progress(static_cast<double>(ticks) / total);
+  } while (axis->state().phase != AxisPhase::kAtRest || axis->pending());
+  return recording;
+}
+
+SimulatedDrive drive_for(const MoveTask& task, const ArmModes& arm, Signal start) {
+  SimulatedDriveConfig config{};
+  config.modes = arm;
+  config.tick_s = task.tick_s;
+  config.counts_per_unit = task.counts_per_unit;
+  config.start = start;
+  return SimulatedDrive(config);
+}
+
+ArmTrace simulate_arm(const std::vector<Signal>& setpoints, const MoveTask& task, const ArmModes& arm, size_t ticks) {
+  SimulatedDrive drive = drive_for(task, arm, setpoints[0]);
+  ArmTrace trace;
+  for (size_t i = 0; i < ticks; ++i) {
+    if (i > 0) static_cast<void>(drive.exchange({setpoints[std::min(i, setpoints.size() - 1)], true}));
+    trace.motor.push_back(drive.motor_position());
+    trace.tip.push_back(drive.tip_position());
+    trace.acceleration.push_back(drive.tip_acceleration());
+  }
+  return trace;
+}
+
+}  // namespace stillpoint::sim
