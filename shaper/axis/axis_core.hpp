@@ -25,7 +25,7 @@ class AxisCore {
   // commit. Refuses kBusy while the axis moves or something is pending; whatever plan_rest_to_rest refuses; limits
   // above the axis's maximum; and, for zero delay, kLimitExceeded naming the limit that binds with the least
   // duration in seconds that would do. Cost: one plan; a zero-delay move that asks more of the profile than its limits
-  // allow is checked tick by tick on the shaped stream, and the least duration searched for when it fails: at most 17
+  // allow is checked tick by tick on the shaped stream, and the least duration searched for when it fails: at most 15
   // runs through the stages, of at most kLongestSearchTicks and the shaper's length each. `report` may be null.
   Status command(const Move& move, MoveReport* report);
 

@@ -14,9 +14,9 @@
 
 namespace stillpoint {
 
-// A profile that takes longer than this within its own limits is not sped up beyond them: there is next to nothing to win
-// (a shaper's length in half a minute), and the work of finding out stays bounded.
-constexpr uint32_t kLongestSearchTicks = UINT32_C(1) << 15;
+// A profile that takes longer than this within its own limits is not sped up beyond them: there is next to nothing to
+// win (a shaper's length in eight seconds), and the work of finding out stays bounded.
+constexpr uint32_t kLongestSearchTicks = UINT32_C(1) << 13;
 
 // Runs moves from `start` to `target` through a copy of a shaper, tick by tick as the axis would. Background.
 class ShapedMoveCheck {
@@ -30,8 +30,8 @@ class ShapedMoveCheck {
   // Cost: profile_ticks + length of the shaper stage ticks.
   Quantity broken_at(uint32_t profile_ticks);
 
-  // The least profile duration in (too_short, enough] whose shaped stream keeps the limits, given that `enough` does: by
-  // bisection, so at most 15 checks for `enough` up to kLongestSearchTicks; beyond, `enough` itself. The limit that
+  // The least profile duration in (too_short, enough] whose shaped stream keeps the limits, given that `enough` does:
+  // by bisection, so at most 13 checks for `enough` up to kLongestSearchTicks; beyond, `enough` itself. The limit that
   // binds just below it comes back in `binding`.
   uint32_t least_ticks(uint32_t too_short, uint32_t enough, Quantity& binding);
 

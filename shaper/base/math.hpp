@@ -8,8 +8,8 @@
 // Everything is pure and constexpr. For the background: on an emulated Cortex-M4 at -Os, sqrt takes 1000 instructions
 // and every other function here 2300 to 2800; on a Cortex-M0, 1600 and 6600 to 8100 (November 2026). "Cost" counts
 // double-precision operations as multiplications + additions + divisions. "Error" is the worst seen against long double
-// libm in 2*10^7 arguments, in units in the last place of the result; tests/shaper/base/test_math.cpp holds a bound just
-// above it. Outside its domain a function answers kNan, as it does to a NaN.
+// libm in 2*10^7 arguments, in units in the last place of the result; tests/shaper/base/test_math.cpp holds a bound
+// just above it. Outside its domain a function answers kNan, as it does to a NaN.
 //
 // The polynomials are minimax, from a Remez exchange in 300-bit arithmetic, each rounded coefficient held fixed while
 // the rest were fitted again (kExp: all rounded at the end); "within 2^-n" is what is left against the function
@@ -53,7 +53,8 @@ inline constexpr double kReciprocalCbrtOfPower[] = {1.0, 0x1.965fea53d6e3dp-1, 0
 
 // Cube root, any finite x, odd. Error 0.52 ulp. Cost 18 + 12 + 1.
 // Method: y -> a^(-1/3) from a parabola by one step of order four, no division; then t ~ a y^2 shortened to 26 bits, so
-// that a - t^3 comes out almost exactly, and one step to the root from there: a - t^3 = (root - t)(root^2 + root t + t^2).
+// that a - t^3 comes out almost exactly, and one step to the root from there: a - t^3 = (root - t)(root^2 + root t +
+// t^2).
 constexpr double cbrt(double x) {
   if (is_nan(x)) return kNan;
   if (x == 0.0 || !is_finite(x)) return x;
@@ -109,8 +110,8 @@ inline constexpr double kLog[] = {0x1.555555555557fp-1, 0x1.9999999984aa8p-2, 0x
                                   0x1.2ea774f3f9572p-3};
 
 // Natural logarithm, x > 0, subnormal ones too; ln 0 is minus infinity. Error 0.84 ulp. Cost 13 + 13 + 1.
-// Method: x = 2^k (1 + f); with s = f / (2 + f), ln(1 + f) = 2 s + s R(s^2) = f - (f^2/2 - s (f^2/2 + R)), whose leading
-// term is exact.
+// Method: x = 2^k (1 + f); with s = f / (2 + f), ln(1 + f) = 2 s + s R(s^2) = f - (f^2/2 - s (f^2/2 + R)), whose
+// leading term is exact.
 constexpr double log(double x) {
   if (x == 0.0) return -kInfinity;
   if (x == kInfinity) return kInfinity;

@@ -47,9 +47,9 @@ struct Peaks {
 // acceleration limit and the other does not, at most 64 Newton steps.
 Status plan_rest_to_rest(double distance, const AxisLimits& limits, ProfileKind kind, double tick_s, Plan& out);
 
-// Slows the plan down (or speeds it up) uniformly to exactly `duration_ticks`: S_new(k t) = S(t), so velocity changes by
-// 1/k, acceleration by 1/k^2, jerk by 1/k^3 (Li 2017, section 3). Refuses 0 ticks for a distance that is not zero, and
-// more than kMaxDurationTicks.
+// Slows the plan down (or speeds it up) uniformly to exactly `duration_ticks`: S_new(k t) = S(t), so velocity changes
+// by 1/k, acceleration by 1/k^2, jerk by 1/k^3 (Li 2017, section 3). Refuses 0 ticks for a distance that is not zero,
+// and more than kMaxDurationTicks.
 Status stretch(Plan& plan, uint32_t duration_ticks);
 
 Peaks peaks_of(const Plan& plan, double tick_s);

@@ -30,8 +30,9 @@ Status StopLimits::make(double deceleration, double jerk, double tick_s, StopLim
   if (deceleration_lsb < 1.0)
     return refuse(Error::kBelowMinimum, Quantity::kDeceleration, deceleration, 1.0 / per_tick_2);
   if (jerk_lsb < 1.0) return refuse(Error::kBelowMinimum, Quantity::kJerk, jerk, 1.0 / (per_tick_2 * tick_s));
-  const double levels = math::ceil(deceleration_lsb / jerk_lsb);
-  out.jerk_step = static_cast<int64_t>(deceleration_lsb / levels);
+  const double whole = math::floor(deceleration_lsb);  // at least as many LSB as levels
+  const double levels = math::ceil(whole / jerk_lsb);
+  out.jerk_step = static_cast<int64_t>(whole / levels);
   out.deceleration = out.jerk_step * static_cast<int64_t>(levels);
   return kOk;
 }

@@ -51,12 +51,12 @@ struct ShaperDesign {
 
 // Adds the stages of a shaper for `mode` to the design (several modes: call it once a mode).
 // ZV on the grid is one stage with taps at 0, k and k+1 ticks, k = floor(Td/2/dt), that puts zeros exactly on the
-// sampled poles exp((-zeta w +- j wd) dt) (reference: Park 2001 for the continuous shaper); ZVD is the same stage twice.
-// Gains are rounded to 2^-30, the first takes what is left to one; that moves the transfer at the pole by at most
-// 2^-31 (|1 - p^-k| + |1 - p^-(k+1)|), below 4e-9 for zeta up to 0.3.
-// Refuses, naming the nearest value accepted: an invalid mode or tick, a frequency above 0.49/dt or so low that a single
-// stage would outlast kMaxStageTicks, damping above 0.3, a design without room; `design` is then unchanged.
-// Cost: one exp, one sqrt, three sin or cos a call.
+// sampled poles exp((-zeta w +- j wd) dt) (reference: Park 2001 for the continuous shaper); ZVD is the same stage
+// twice. Gains are rounded to 2^-30, the first takes what is left to one; that moves the transfer at the pole by at
+// most 2^-31 (|1 - p^-k| + |1 - p^-(k+1)|), below 4e-9 for zeta up to 0.3. Refuses, naming the nearest value accepted:
+// an invalid mode or tick, a frequency above 0.49/dt or so low that a single stage would outlast kMaxStageTicks,
+// damping above 0.3, a design without room; `design` is then unchanged. Cost: one exp, one sqrt, three sin or cos a
+// call.
 Status add_shaper(ShaperKind kind, const Mode& mode, double tick_s, ShaperDesign& design);
 
 // The lowest frequency whose shaper of this kind a line of `line_length` signals can hold.

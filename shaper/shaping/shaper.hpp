@@ -11,8 +11,8 @@
 
 namespace stillpoint {
 
-// A signal made ready for 32-bit multiplication: high * 2^32 + low with low in [-2^31, 2^31), so that either half meets a
-// gain in one signed multiply-accumulate.
+// A signal made ready for 32-bit multiplication: high * 2^32 + low with low in [-2^31, 2^31), so that either half meets
+// a gain in one signed multiply-accumulate.
 struct alignas(8) LineSample {
   int32_t low;
   int32_t high;

@@ -22,8 +22,10 @@ struct Scenario {
 };
 
 constexpr Mode kModes[] = {{11.0, 0.11}, {37.0, 0.05}};
-constexpr Scenario kScenarios[] = {
-    {"plain", ShaperKind::kNone, 0}, {"ZV", ShaperKind::kZv, 1}, {"ZVD", ShaperKind::kZvd, 1}, {"two modes ZV", ShaperKind::kZv, 2}};
+constexpr Scenario kScenarios[] = {{"plain", ShaperKind::kNone, 0},
+                                   {"ZV", ShaperKind::kZv, 1},
+                                   {"ZVD", ShaperKind::kZvd, 1},
+                                   {"two modes ZV", ShaperKind::kZv, 2}};
 
 inline Status design_of(const Scenario& scenario, ShaperDesign& design) {
   for (uint32_t i = 0; i < scenario.mode_count; ++i) {

@@ -91,5 +91,5 @@ void reset_handler() {
   for (;;) number = number / 3;
 }
 
-__attribute__((section(".vectors"), used)) const Function kVectors[3] = {reinterpret_cast<Function>(&stack_top),
-                                                                        reset_handler, usart2_handler};
+__attribute__((section(".vectors"), used))
+const Function kVectors[3] = {reinterpret_cast<Function>(&stack_top), reset_handler, usart2_handler};

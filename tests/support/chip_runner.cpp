@@ -92,14 +92,10 @@ void print(const char* text) { semihosting::write0(text); }
 
 void print(const Value& value) {
   switch (value.kind) {
-    case Value::Kind::kInteger:
-      return print_integer(value.integer);
-    case Value::Kind::kUnsigned:
-      return print_unsigned(static_cast<uint64_t>(value.integer));
-    case Value::Kind::kReal:
-      return print_real(value.real);
-    case Value::Kind::kText:
-      return print(value.text);
+    case Value::Kind::kInteger: return print_integer(value.integer);
+    case Value::Kind::kUnsigned: return print_unsigned(static_cast<uint64_t>(value.integer));
+    case Value::Kind::kReal: return print_real(value.real);
+    case Value::Kind::kText: return print(value.text);
   }
 }
 

@@ -68,53 +68,52 @@ void print(const Value& value);
 #define STILLPOINT_JOIN_(a, b) a##b
 #define STILLPOINT_JOIN(a, b) STILLPOINT_JOIN_(a, b)
 
-#define STILLPOINT_CASE_(name, function)                                                                          \
+#define STILLPOINT_CASE_(name, function)                                                                           \
   __attribute__((section("stillpoint_cases"), used)) static const stillpoint::testing::Case name##_case_ = {#name, \
                                                                                                             function};
 
-#define TEST(name)                 \
-  static void name();              \
-  STILLPOINT_CASE_(name, name)     \
+#define TEST(name)             \
+  static void name();          \
+  STILLPOINT_CASE_(name, name) \
   static void name()
 
 // Names of its own, since the fixture's members are in scope.
-#define TEST_F(fixture, name)                                \
-  namespace {                                                \
-  struct name : fixture {                                    \
-    void case_body_();                                       \
-    static void run_case_() {                                \
-      name fixture_of_case;                                  \
-      fixture_of_case.case_body_();                          \
-    }                                                        \
-  };                                                         \
-  }                                                          \
-  STILLPOINT_CASE_(name, name::run_case_)                    \
+#define TEST_F(fixture, name)             \
+  namespace {                             \
+  struct name : fixture {                 \
+    void case_body_();                    \
+    static void run_case_() {             \
+      name fixture_of_case;               \
+      fixture_of_case.case_body_();       \
+    }                                     \
+  };                                      \
+  }                                       \
+  STILLPOINT_CASE_(name, name::run_case_) \
   void name::case_body_()
 
 // Compiled, so that it does not rot, and thrown away by the linker.
 #define TEST_HOST(name) [[maybe_unused]] static void name()
-#define TEST_HOST_F(fixture, name)   \
-  namespace {                        \
-  struct name : fixture {            \
-    void case_body_();               \
-  };                                 \
-  }                                  \
+#define TEST_HOST_F(fixture, name) \
+  namespace {                      \
+  struct name : fixture {          \
+    void case_body_();             \
+  };                               \
+  }                                \
   [[maybe_unused]] void name::case_body_()
 
-#define TEST_INFO(name, value) \
-  const stillpoint::testing::Info STILLPOINT_JOIN(info_, __LINE__)(#name, value)
+#define TEST_INFO(name, value) const stillpoint::testing::Info STILLPOINT_JOIN(info_, __LINE__)(#name, value)
 
 #define TEST_ASSERT_TRUE(condition) \
   ((condition) ? static_cast<void>(0) : stillpoint::testing::fail(__FILE__, __LINE__, #condition " is not true"))
 #define TEST_ASSERT_FALSE(condition) \
   ((condition) ? stillpoint::testing::fail(__FILE__, __LINE__, #condition " is not false") : static_cast<void>(0))
-#define TEST_ASSERT_COMPARE_(type, expected, op, actual)                                                     \
-  do {                                                                                                       \
-    const type expected_value_ = static_cast<type>(expected);                                                \
-    const type actual_value_ = static_cast<type>(actual);                                                    \
-    if (!(expected_value_ op actual_value_)) {                                                               \
-      stillpoint::testing::fail(__FILE__, __LINE__, #expected " " #op " " #actual,                           \
-                                stillpoint::testing::value_of(expected_value_),                              \
-                                stillpoint::testing::value_of(actual_value_));                               \
-    }                                                                                                        \
+#define TEST_ASSERT_COMPARE_(type, expected, op, actual)                           \
+  do {                                                                             \
+    const type expected_value_ = static_cast<type>(expected);                      \
+    const type actual_value_ = static_cast<type>(actual);                          \
+    if (!(expected_value_ op actual_value_)) {                                     \
+      stillpoint::testing::fail(__FILE__, __LINE__, #expected " " #op " " #actual, \
+                                stillpoint::testing::value_of(expected_value_),    \
+                                stillpoint::testing::value_of(actual_value_));     \
+    }                                                                              \
   } while (false)

@@ -88,6 +88,13 @@ TEST(a_jerk_above_the_deceleration_gives_one_level) {
   TEST_ASSERT_EQUAL_UINT32(11, ticks_to_stop(limits, signal_from_counts(10), 0, 100));
 }
 
+TEST(limits_of_a_few_lsb_still_brake) {
+  const double lsb = 1e6 / 4294967296.0;  // of deceleration, in counts/s^2
+  const StopLimits limits = made(1.5 * lsb, 1.0 * lsb * 1e3);
+  TEST_ASSERT_EQUAL_INT64(1, limits.jerk_step);
+  ticks_to_stop(limits, 10, 0, 100);
+}
+
 TEST(bad_limits_are_refused_by_name_and_change_nothing) {
   StopLimits limits = made(1e6, 1e8);
   const StopLimits before = limits;
