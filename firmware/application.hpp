@@ -14,6 +14,7 @@
 #include "hal/servo_port.hpp"
 #include "hal/watchdog.hpp"
 #include "shaper/axis/axis_core.hpp"
+#include "shaper/base/shared.hpp"
 
 namespace stillpoint::firmware {
 
@@ -50,8 +51,7 @@ class Application {
   const RtuCounters& client_counters() const { return client_.counters(); }
 
  private:
-  static uint32_t load(const uint32_t& word) { return __atomic_load_n(&word, __ATOMIC_ACQUIRE); }
-  static void advance(uint32_t& word) { __atomic_store_n(&word, word + 1, __ATOMIC_RELEASE); }
+  static void advance(uint32_t& word) { store(word, word + 1); }
 
   void feed_watchdog(uint32_t now);
 

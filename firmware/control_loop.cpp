@@ -19,19 +19,9 @@ void ControlLoop::begin(AxisCore& axis, hal::ServoPort& servo) {
   publish();
 }
 
-LoopSnapshot ControlLoop::snapshot() const {
-  for (;;) {
-    const uint32_t version = load(version_);
-    const LoopSnapshot copy = published_;
-    __atomic_signal_fence(__ATOMIC_SEQ_CST);
-    if (load(version_) == version) return copy;
-  }
-}
-
 void ControlLoop::publish() {
   state_.axis = axis_->state();
-  published_ = state_;
-  store(version_, version_ + 1);
+  published_.publish(state_);
 }
 
 void ControlLoop::tick() {

@@ -7,6 +7,7 @@
 #include "firmware/registers.hpp"
 #include "hal/servo_port.hpp"
 #include "shaper/axis/axis_core.hpp"
+#include "shaper/base/shared.hpp"
 
 namespace stillpoint::firmware {
 
@@ -54,7 +55,7 @@ class ControlLoop {
   void set_position_window(uint32_t counts) { store(window_counts_, counts); }
 
   // Never torn: read again if a tick came between.
-  LoopSnapshot snapshot() const;
+  LoopSnapshot snapshot() const { return published_.read(); }
 
   // --- tick -------------------------------------------------------------------------------------------------------
 
@@ -65,9 +66,6 @@ class ControlLoop {
   void own_timer_tick();
 
  private:
-  static uint32_t load(const uint32_t& word) { return __atomic_load_n(&word, __ATOMIC_ACQUIRE); }
-  static void store(uint32_t& word, uint32_t value) { __atomic_store_n(&word, value, __ATOMIC_RELEASE); }
-
   void obey_clear_and_disable();
   void enable_if_asked();
   void take(const hal::ServoFeedback& feedback);
@@ -95,9 +93,7 @@ class ControlLoop {
   bool commit_ = false;        // of the exchange before
   bool told_enabled_ = false;  // what the drive last heard: it must hear of an off before it is on again
 
-  // Written by the tick, read by the background as version_ tells.
-  LoopSnapshot published_ = {};
-  uint32_t version_ = 0;
+  Snapshot<LoopSnapshot> published_;
 };
 
 }  // namespace stillpoint::firmware

@@ -50,7 +50,7 @@ Status AxisCore::configure(const AxisConfig& config) {
 }
 
 Status AxisCore::set_shaper(const ShaperDesign& design) {
-  const uint32_t epoch = __atomic_load_n(&epoch_, __ATOMIC_ACQUIRE);
+  const uint32_t epoch = load(epoch_);
   const AxisState now = state();
   Status status = check_ready();
   if (!status.ok()) return status;
@@ -62,7 +62,7 @@ Status AxisCore::set_shaper(const ShaperDesign& design) {
 }
 
 Status AxisCore::command(const Move& move, MoveReport* report) {
-  const uint32_t epoch = __atomic_load_n(&epoch_, __ATOMIC_ACQUIRE);
+  const uint32_t epoch = load(epoch_);
   const Signal start = state().setpoint;
   Status status = check_ready();
   if (status.ok()) status = move.limits.validate();

@@ -4,13 +4,6 @@
 
 namespace stillpoint {
 
-namespace {
-
-uint32_t load(const uint32_t& word) { return __atomic_load_n(&word, __ATOMIC_ACQUIRE); }
-void store(uint32_t& word, uint32_t value) { __atomic_store_n(&word, value, __ATOMIC_RELEASE); }
-
-}  // namespace
-
 void AxisCore::attach(LineSample* active_memory, LineSample* spare_memory, size_t line_capacity) {
   if (capacity_ != 0) return;
   memory_[0] = active_memory;
@@ -18,17 +11,7 @@ void AxisCore::attach(LineSample* active_memory, LineSample* spare_memory, size_
   capacity_ = line_capacity;
 }
 
-AxisState AxisCore::state() const {
-  // The tick runs to its end while this waits, so a copy with the same tick number on both sides is whole.
-  AxisState copy;
-  uint32_t tick;
-  do {
-    tick = load(published_.tick);
-    copy = published_;
-    __atomic_signal_fence(__ATOMIC_ACQ_REL);
-  } while (load(published_.tick) != tick);
-  return copy;
-}
+AxisState AxisCore::state() const { return published_.read(); }
 
 bool AxisCore::pending() const { return load(pending_) != kNothing; }
 
@@ -77,7 +60,7 @@ void AxisCore::drop_stale_move() {
 void AxisCore::take_pending() {
   const uint32_t what = load(pending_);
   if (what == kNothing) return;
-  const bool at_rest = published_.phase == AxisPhase::kAtRest && !stopping_;
+  const bool at_rest = published_.latest().phase == AxisPhase::kAtRest && !stopping_;
   if (!at_rest) return;
   if (what == kMove) {
     active_track_ ^= 1;
@@ -92,7 +75,7 @@ void AxisCore::take_pending() {
 
 void AxisCore::begin_stop() {
   ++epoch_;
-  if (stopping_ || published_.phase == AxisPhase::kAtRest) return;
+  if (stopping_ || published_.latest().phase == AxisPhase::kAtRest) return;
   stop_ramp_.start(stop_limits_, outputs_[0], outputs_[1], outputs_[2]);
   stopping_ = true;
 }
@@ -113,13 +96,12 @@ void AxisCore::reset(Signal position) {
 }
 
 void AxisCore::publish(Signal setpoint) {
-  published_.demand = stopping_ ? setpoint : sampler_.position();
-  published_.setpoint = setpoint;
-  published_.phase = stopping_             ? AxisPhase::kStopping
-                     : !sampler_.at_rest() ? AxisPhase::kMoving
-                     : drain_ticks_ != 0   ? AxisPhase::kDraining
-                                           : AxisPhase::kAtRest;
-  store(published_.tick, published_.tick + 1);
+  const AxisPhase phase = stopping_             ? AxisPhase::kStopping
+                          : !sampler_.at_rest() ? AxisPhase::kMoving
+                          : drain_ticks_ != 0   ? AxisPhase::kDraining
+                                                : AxisPhase::kAtRest;
+  const Signal demand = stopping_ ? setpoint : sampler_.position();
+  published_.publish(AxisState{published_.latest().tick + 1, phase, demand, setpoint});
 }
 
 }  // namespace stillpoint

@@ -6,6 +6,7 @@
 #include <stdint.h>
 
 #include "shaper/axis/axis_config.hpp"
+#include "shaper/base/shared.hpp"
 #include "shaper/profile/stop_ramp.hpp"
 #include "shaper/profile/track.hpp"
 #include "shaper/shaping/design.hpp"
@@ -105,7 +106,7 @@ class AxisCore {
   uint32_t length_ticks_ = 0;  // of the active shaper
   uint32_t drain_ticks_ = 0;   // until the line holds nothing but the standing position
   Signal outputs_[3] = {};     // newest first
-  AxisState published_ = {};   // published_.tick changes with every tick: readers compare it
+  Snapshot<AxisState> published_;
 };
 
 }  // namespace stillpoint

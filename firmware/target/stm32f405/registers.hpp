@@ -8,8 +8,6 @@
 
 namespace stillpoint::stm32f405 {
 
-// NOLINTBEGIN(readability-identifier-naming): the manuals' own names
-
 using Register = volatile uint32_t;
 
 struct Rcc {  // RM0090 7.3
@@ -119,7 +117,5 @@ inline void pend(Interrupt interrupt) {
   const uint32_t number = static_cast<uint32_t>(interrupt);
   nvic().ISPR[number / 32] = 1u << (number % 32);
 }
-
-// NOLINTEND(readability-identifier-naming)
 
 }  // namespace stillpoint::stm32f405
