@@ -49,6 +49,7 @@ void add_json(CLI::App& app, Output& output);
 // One a file.
 void add_design(Commands& commands, Output& output);
 void add_profile(Commands& commands, Output& output);
+void add_sensitivity(Commands& commands, Output& output);
 void add_shape(Commands& commands);
 void add_move(Commands& commands, Output& output);
 void add_hil(Commands& commands, Output& output);

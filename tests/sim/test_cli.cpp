@@ -80,7 +80,7 @@ Csv csv_of(const std::string& path) {
 
 TEST_HOST(bad_arguments_end_with_2_and_name_what_is_accepted) {
   check_refused(2, "command: missing: ", "");
-  check_refused(2, "command: dance: not known, accepted: design profile shape move hil demo", "dance");
+  check_refused(2, "command: dance: not known, accepted: design profile sensitivity shape move hil demo", "dance");
   check_refused(2, "option: --color: not known to `design`, accepted: ", "design --shaper zv:11:0.1 --color red");
   check_refused(2, "option: --shaper: needs exactly one value", "design --shaper");
   check_refused(2, "--shaper: missing: ", "design");
@@ -155,6 +155,22 @@ TEST_HOST(design_prints_what_it_promises) {
     TEST_ASSERT_TRUE(sum == 1.0);  // gains have 30 bits: doubles add them exactly
   }
   REQUIRE(design == json_of("design --shaper zv:11:0.11 --shaper zvd:40:0.05:v=0.02"));
+}
+
+TEST_HOST(sensitivity_prints_what_it_promises) {
+  // Undamped, ZV leaves |cos(pi/2 r)| at r times its frequency, ZVD the square of it.
+  const std::string csv_file = scratch_file("sensitivity.csv");
+  json_of("sensitivity --shaper zv:10:0 --shaper zvd:10:0 --from 5 --to 15 --points 5 --csv " + csv_file);
+  const Csv csv = csv_of(csv_file);
+  REQUIRE(csv.header == "frequency_hz,residual_continuous,residual_on_grid,residual_continuous_2,residual_on_grid_2");
+  TEST_ASSERT_EQUAL_UINT32(5, csv.rows.size());
+  for (size_t i = 0; i < 5; ++i) {
+    const double expected = std::abs(std::cos(1.5707963267948966 * (0.5 + 0.25 * static_cast<double>(i))));
+    TEST_ASSERT_DOUBLE_WITHIN(1e-12, expected, std::stod(csv.rows[i][1]));
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, expected, std::stod(csv.rows[i][2]));  // half a period is a whole 50 ticks
+    TEST_ASSERT_DOUBLE_WITHIN(1e-12, expected * expected, std::stod(csv.rows[i][3]));
+  }
+  TEST_ASSERT_AT_MOST_DOUBLE(1e-8, std::stod(csv.rows[2][2]));
 }
 
 TEST_HOST(profile_prints_what_it_promises) {
