@@ -85,20 +85,29 @@ Phases shortest(const UnitLimits& limits) {
   return Phases{ramp_to(peak, limits.acceleration, limits), ramp_to(peak, limits.deceleration, limits), 0.0};
 }
 
+// A ramp whose jerk phases are this much shorter than a tick is planned with constant acceleration over all its time:
+// what is sampled of it stays below the same limits (the jerk limit is then 1024 times the acceleration's, a tick), and
+// a jerk of 1e300 never meets the position it would have to be subtracted from again.
+constexpr double kShortestJerkTicks = 1.0 / 1024.0;
+constexpr double kShortestRampTicks = 1e-9;  // so that a velocity over it is finite
+
 // Appends the segments of one ramp; `sign` is +1 speeding up, -1 slowing down. The jerk follows from the durations, so
 // that the segments agree with each other to the last bits whatever rounding the limits went through.
 void append_ramp(Plan& plan, const Ramp& ramp, double velocity, double sign) {
-  if (ramp.jerk_ticks > 0.0) {
-    const double acceleration = sign * velocity / (ramp.jerk_ticks + ramp.constant_ticks);
-    const double jerk = acceleration / ramp.jerk_ticks;
-    plan.segments[plan.segment_count++] = Segment{ramp.jerk_ticks, 0.0, jerk};
-    if (ramp.constant_ticks > 0.0)
-      plan.segments[plan.segment_count++] = Segment{ramp.constant_ticks, acceleration, 0.0};
-    plan.segments[plan.segment_count++] = Segment{ramp.jerk_ticks, acceleration, -jerk};
-  } else {
-    plan.segments[plan.segment_count++] = Segment{ramp.constant_ticks, sign * velocity / ramp.constant_ticks, 0.0};
+  if (ramp.jerk_ticks < kShortestJerkTicks) {
+    const double ticks = ramp.ticks() > kShortestRampTicks ? ramp.ticks() : kShortestRampTicks;
+    plan.segments[plan.segment_count++] = Segment{ticks, sign * velocity / ticks, 0.0};
+    return;
   }
+  const double acceleration = sign * velocity / (ramp.jerk_ticks + ramp.constant_ticks);
+  const double jerk = acceleration / ramp.jerk_ticks;
+  plan.segments[plan.segment_count++] = Segment{ramp.jerk_ticks, 0.0, jerk};
+  if (ramp.constant_ticks > 0.0) plan.segments[plan.segment_count++] = Segment{ramp.constant_ticks, acceleration, 0.0};
+  plan.segments[plan.segment_count++] = Segment{ramp.jerk_ticks, acceleration, -jerk};
 }
+
+// Limits past any use, kept where their products are finite.
+double moderate(double limit) { return limit < 1e60 ? limit : 1e60; }
 
 // T above a whole number of ticks by no more than its own rounding error counts as whole: 1.51 s is 1510 ticks.
 uint32_t whole_ticks(double ticks) {
@@ -140,10 +149,11 @@ Status plan_rest_to_rest(double distance, const AxisLimits& limits, ProfileKind 
   }
   const double per_distance = 1.0 / math::abs(distance);
   const double tick_2 = tick_s * tick_s;
-  const Phases phases =
-      shortest(UnitLimits{limits.velocity * per_distance * tick_s, limits.acceleration * per_distance * tick_2,
-                          limits.deceleration * per_distance * tick_2, limits.jerk * per_distance * tick_2 * tick_s,
-                          kind == ProfileKind::kSCurve});
+  const UnitLimits unit{moderate(limits.velocity * per_distance * tick_s),
+                        moderate(limits.acceleration * per_distance * tick_2),
+                        moderate(limits.deceleration * per_distance * tick_2),
+                        moderate(limits.jerk * per_distance * tick_2 * tick_s), kind == ProfileKind::kSCurve};
+  const Phases phases = shortest(unit);
   const double ticks = phases.ticks();
   if (!(ticks <= kMaxDurationTicks))
     return refuse(Error::kAboveMaximum, Quantity::kDuration, ticks * tick_s, kMaxDurationTicks * tick_s);

@@ -20,39 +20,85 @@ Differences& at(Track& track, uint32_t tick) {
   return track.switches[i].add;
 }
 
-// From time t (in ticks) on, the samples have (n - t)^2/2 da + (n - t)^3/6 dj more.
-void add_change(Track& track, double time, double da, double dj) {
-  const double first = math::ceil(time);
-  const double f = first - time;
-  Differences& add = at(track, static_cast<uint32_t>(first));
-  add.difference[0] += wide(da * (f * f / 2.0) + dj * (f * f * f / 6.0));
-  add.difference[1] += wide(da * (f + 0.5)) + wide(dj * ((3.0 * f * (f + 1.0) + 1.0) / 6.0));
+// A time between ticks: `first` is the first tick not before it, `fraction` the part of a tick from it to there.
+struct Moment {
+  uint32_t first;
+  double fraction;
+};
+
+Moment from_start(double ticks) {
+  const double first = math::ceil(ticks);
+  return Moment{static_cast<uint32_t>(first), first - ticks};
+}
+
+Moment before_end(uint32_t end, double ticks) {
+  const double whole = math::floor(ticks);
+  return whole < end ? Moment{end - static_cast<uint32_t>(whole), ticks - whole} : Moment{0, 0.0};
+}
+
+// From the moment on, the samples have dv t + da t^2/2 + dj t^3/6 more.
+void add_change(Track& track, const Moment& moment, double dv, double da, double dj) {
+  const double f = moment.fraction;
+  Differences& add = at(track, moment.first);
+  add.difference[0] += wide(dv * f + da * (f * f / 2.0) + dj * (f * f * f / 6.0));
+  add.difference[1] += wide(dv) + wide(da * (f + 0.5)) + wide(dj * ((3.0 * f * (f + 1.0) + 1.0) / 6.0));
   add.difference[2] += wide(da) + wide(dj) + wide(dj * f);
   add.difference[3] += wide(dj);
 }
 
+// Where segment i begins, `into` ticks later. Measured from the nearer end of the longest segment: a sum over a long
+// cruise would lose the bits that a high jerk multiplies.
+class Times {
+ public:
+  explicit Times(const Plan& plan) : plan_(plan) {
+    for (uint32_t i = 1; i < plan.segment_count; ++i) {
+      if (plan.segments[i].duration_ticks > plan.segments[longest_].duration_ticks) longest_ = i;
+    }
+  }
+  Moment at(uint32_t segment, double into) const {
+    double ticks = 0.0;
+    if (segment <= longest_) {
+      for (uint32_t i = 0; i < segment; ++i) ticks += plan_.segments[i].duration_ticks;
+      ticks += into;
+      return from_start(ticks < plan_.duration_ticks ? ticks : plan_.duration_ticks);
+    }
+    for (uint32_t i = plan_.segment_count; i > segment; --i) ticks += plan_.segments[i - 1].duration_ticks;
+    return before_end(plan_.duration_ticks, ticks > into ? ticks - into : 0.0);
+  }
+
+ private:
+  const Plan& plan_;
+  uint32_t longest_ = 0;
+};
+
+// A segment this short is a step of the velocity in its middle: its acceleration would be subtracted again at once.
+constexpr double kStepTicks = 1.0 / 1024.0;
+
+// Where the acceleration is continuous its two figures differ by rounding, which must not become a step.
+double step_between(double before, double after) {
+  const double step = after - before;
+  const double larger = math::abs(before) > math::abs(after) ? before : after;
+  return math::abs(step) <= 1e-9 * math::abs(larger) ? 0.0 : step;
+}
+
 void add_segments(Track& track, const Plan& plan) {
   at(track, 0).difference[1] += wide(plan.start_velocity);
-  double time = 0.0;
+  const Times times(plan);
   double acceleration = 0.0;  // at the end of the segment before
   double jerk = 0.0;
   for (uint32_t i = 0; i < plan.segment_count; ++i) {
     const Segment& segment = plan.segments[i];
-    // Where the acceleration is continuous the two figures differ by rounding, which must not become a step.
-    const double step = segment.acceleration - acceleration;
-    const double larger =
-        math::abs(acceleration) > math::abs(segment.acceleration) ? acceleration : segment.acceleration;
-    const bool continuous = math::abs(step) <= 1e-9 * math::abs(larger);
-    add_change(track, time, continuous ? 0.0 : step, segment.jerk - jerk);
-    acceleration = segment.acceleration + segment.jerk * segment.duration_ticks;
+    const double ticks = segment.duration_ticks;
+    if (ticks < kStepTicks && segment.jerk == 0.0) {
+      add_change(track, times.at(i, ticks / 2.0), segment.acceleration * ticks, 0.0, 0.0);
+      continue;
+    }
+    add_change(track, times.at(i, 0.0), 0.0, step_between(acceleration, segment.acceleration), segment.jerk - jerk);
+    acceleration = segment.acceleration + segment.jerk * ticks;
     jerk = segment.jerk;
-    time += segment.duration_ticks;
-    if (time > plan.duration_ticks) time = plan.duration_ticks;
   }
-  if (plan.segment_count != 0) {
-    const Segment& last = plan.segments[plan.segment_count - 1];
-    add_change(track, plan.duration_ticks, last.jerk == 0.0 ? -acceleration : 0.0, -jerk);
-  }
+  const double step = jerk == 0.0 ? -acceleration : 0.0;
+  add_change(track, Moment{plan.duration_ticks, 0.0}, 0.0, step, -jerk);
 }
 
 // n (n-1) / 2 and n (n-1) (n-2) / 6, exactly.

@@ -145,6 +145,44 @@ TEST_HOST(random_moves_over_all_distances_and_classes_keep_their_limits) {
     const int32_t target = start + static_cast<int32_t>(forward ? distance : -distance);
     check_move(plan, limits, start, target, kind);
   }
+  MESSAGE("moves within their limits: ", done);
+}
+
+TEST_HOST(long_moves_with_high_jerk_limits_keep_their_limits_too) {
+  const uint64_t seed = 20261122;
+  TEST_INFO("seed", seed);
+  Random random(seed);
+  int done = 0;
+  for (int i = 0; done < 300; ++i) {
+    TEST_INFO("case", i);
+    const double duration_s = std::pow(10.0, random.between(1.0, 3.3));
+    const double distance = std::floor(std::pow(10.0, random.between(2.0, 9.3)));
+    const double velocity = distance / duration_s;
+    const double acceleration = velocity * std::pow(10.0, random.between(-0.5, 3.0));
+    const AxisLimits limits{velocity, acceleration, acceleration * random.between(0.5, 2.0),
+                            acceleration * std::pow(10.0, random.between(0.0, 30.0))};
+    const auto kind = random.next() % 4 == 0 ? ProfileKind::kTrapezoid : ProfileKind::kSCurve;
+    const Plan plan = planned(distance, limits, kind);
+    if (plan.duration_ticks > 2000000 || plan.duration_ticks < 10000) continue;
+    ++done;
+    check_move(plan, limits, -1000000000, -1000000000 + static_cast<int32_t>(distance), kind);
+  }
+}
+
+TEST_HOST(limits_past_any_use_keep_the_others) {
+  const uint64_t seed = 300;
+  TEST_INFO("seed", seed);
+  Random random(seed);
+  for (int i = 0; i < 20000; ++i) {
+    TEST_INFO("case", i);
+    const double distance = std::floor(std::pow(10.0, random.between(0.0, 8.0)));
+    const double velocity = distance * std::pow(10.0, random.between(-0.3, 4.0));
+    const double acceleration = velocity * std::pow(10.0, random.between(0.0, 50.0));
+    const AxisLimits limits{velocity, acceleration, acceleration * random.between(0.5, 2.0),
+                            acceleration * std::pow(10.0, random.between(3.0, 200.0))};
+    const auto kind = random.next() % 4 == 0 ? ProfileKind::kTrapezoid : ProfileKind::kSCurve;
+    check_move(planned(-distance, limits, kind), limits, 0, -static_cast<int32_t>(distance), kind);
+  }
 }
 
 #endif
