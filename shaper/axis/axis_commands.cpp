@@ -42,6 +42,8 @@ Status AxisCore::configure(const AxisConfig& config) {
   if (!status.ok()) return status;
   if (configured_) status = check_ready();
   if (!status.ok()) return status;
+  if (shaper().stage_count != 0 && config.tick_s != config_.tick_s)
+    return refuse(Error::kNotAvailable, Quantity::kTick, config.tick_s, config_.tick_s);
   status = StopLimits::make(config.quick_stop_deceleration, config.quick_stop_jerk, config.tick_s, stop_limits_);
   if (!status.ok()) return status;
   config_ = config;
@@ -115,11 +117,14 @@ Status AxisCore::time_zero_delay(const Move& move, Signal start, Plan& plan, Mov
   const uint32_t wanted = static_cast<uint32_t>(math::floor(move.duration_s / config_.tick_s * (1.0 + 1e-12)));
   const uint32_t available = wanted > length ? wanted - length : 0;
   if (available < plan.duration_ticks) {
-    if (available > 0 && plan.duration_ticks <= kLongestSearchTicks) binding = check.broken_at(available);
-    if (binding != Quantity::kNone) {
-      const uint32_t least = check.least_ticks(available, plan.duration_ticks, binding);
-      return refuse(Error::kLimitExceeded, binding, move.duration_s, (least + length) * config_.tick_s);
+    uint32_t least = plan.duration_ticks;
+    if (available > 0) binding = sustained_limit(plan, length);
+    if (binding == Quantity::kNone) {
+      binding = plan.duration_ticks > kLongestSearchTicks ? Quantity::kDuration : check.broken_at(available);
+      if (binding != Quantity::kNone) least = check.least_ticks(available, plan.duration_ticks, binding);
     }
+    if (binding != Quantity::kNone)
+      return refuse(Error::kLimitExceeded, binding, move.duration_s, (least + length) * config_.tick_s);
   }
   report.zero_delay_met = true;
   return stretch(plan, available);

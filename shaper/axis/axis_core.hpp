@@ -19,7 +19,8 @@ class AxisCore {
   // --- background -------------------------------------------------------------------------------------------------
 
   // Takes limits and tick. Refuses an invalid configuration by name, and kBusy unless the axis is at rest with nothing
-  // pending; the old one stays. Until the first success every command is refused kNotAvailable.
+  // pending; the old one stays. A shaper is designed for a tick, so another tick is refused while one is in force.
+  // Until the first success every command is refused kNotAvailable.
   Status configure(const AxisConfig& config);
 
   // Plans the move from where the axis stands and hands it to the tick, which starts it at its next call that allows a
@@ -48,7 +49,8 @@ class AxisCore {
   // --- either context ---------------------------------------------------------------------------------------------
 
   // Quick stop: from the next tick on the output itself ramps to rest within the quick-stop limits, past the shaper,
-  // whose line is then filled with where the axis stands. No commit is needed; what is pending is dropped.
+  // whose line is then filled with where the axis stands. No commit is needed. A pending move is dropped; a pending
+  // shaper stays, until the axis is at rest.
   void request_stop();
 
   // --- tick -------------------------------------------------------------------------------------------------------
@@ -57,8 +59,9 @@ class AxisCore {
   // `commit` false: pending requests of the background wait.
   Signal tick(bool commit = true);
 
-  // Puts the axis at rest at `position`, line filled, no ramp: for enabling, homing, after faults. Drops what is
-  // pending. Only where no tick can come between: from the tick's context, or with the tick off.
+  // Puts the axis at rest at `position`, line filled, no ramp: for enabling, homing, after faults. A pending move is
+  // dropped, a pending shaper stays. Only where no tick can come between: from the tick's context, or with the tick
+  // off.
   void reset(Signal position);
 
  protected:

@@ -5,6 +5,22 @@
 
 namespace stillpoint {
 
+Quantity sustained_limit(const Plan& plan, uint32_t length_ticks) {
+  Quantity limit = Quantity::kNone;
+  for (uint32_t i = 0; i < plan.segment_count; ++i) {
+    const Segment& segment = plan.segments[i];
+    if (segment.duration_ticks <= length_ticks + 3.0) continue;  // a third difference spans three ticks more
+    if (segment.jerk != 0.0) {
+      if (limit == Quantity::kNone) limit = Quantity::kJerk;
+    } else if (segment.acceleration == 0.0) {
+      return Quantity::kVelocity;
+    } else {
+      limit = (segment.acceleration > 0.0) == (plan.distance > 0.0) ? Quantity::kAcceleration : Quantity::kDeceleration;
+    }
+  }
+  return limit;
+}
+
 ShapedMoveCheck::ShapedMoveCheck(const Plan& plan, const AxisLimits& limits, ProfileKind kind, double tick_s,
                                  Shaper& scratch, Track& track, Signal start, Signal target)
     : plan_(plan), scratch_(scratch), track_(track), start_(start), target_(target), limit_{} {

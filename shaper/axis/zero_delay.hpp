@@ -18,6 +18,10 @@ namespace stillpoint {
 // win (a shaper's length in eight seconds), and the work of finding out stays bounded.
 constexpr uint32_t kLongestSearchTicks = UINT32_C(1) << 13;
 
+// The limit that a plan at its least duration, sped up at all, breaks behind a shaper of `length_ticks` for certain:
+// one that it stays at for longer than the shaper is, so that the shaped stream gets there too. kNone if there is none.
+Quantity sustained_limit(const Plan& plan, uint32_t length_ticks);
+
 // Runs moves from `start` to `target` through a copy of a shaper, tick by tick as the axis would. Background.
 class ShapedMoveCheck {
  public:
