@@ -41,7 +41,8 @@ void ControlLoop::tick() {
 }
 
 void ControlLoop::own_timer_tick() {
-  obey_clear_and_disable();
+  // With ticks coming they obey: filling a line here would hold up the link's bytes.
+  if (state_.link_silent) obey_clear_and_disable();
   if (silent_ms_ < kSilentMsAbandon) ++silent_ms_;
   if (silent_ms_ == kSilentMsFault) {
     state_.link_silent = true;
@@ -62,8 +63,7 @@ void ControlLoop::obey_clear_and_disable() {
     state_.fault = FaultCode::kNone;
   }
   if (load(wanted_enabled_) != 0 || !state_.enabled || state_.fault != FaultCode::kNone) return;
-  state_.enabled = false;
-  axis_->reset(state_.axis.setpoint);
+  switch_off(state_.axis.setpoint);
 }
 
 void ControlLoop::enable_if_asked() {
@@ -117,8 +117,13 @@ void ControlLoop::raise(FaultCode fault) {
 
 void ControlLoop::end_fault_reaction() {
   if (!state_.enabled) return;
+  switch_off(axis_->state().setpoint);
+}
+
+void ControlLoop::switch_off(Signal position) {
   state_.enabled = false;
-  axis_->reset(axis_->state().setpoint);
+  if (state_.link_silent) servo_->disable();
+  axis_->reset(position);
 }
 
 void ControlLoop::count_settled(const AxisState& axis) {

@@ -72,6 +72,7 @@ class ControlLoop {
   uint32_t lost_before(uint16_t sequence);
   void raise(FaultCode fault);
   void end_fault_reaction();
+  void switch_off(Signal position);
   void count_settled(const AxisState& axis);
   void publish();
 

@@ -28,6 +28,7 @@ class SimulatedDrive final : public hal::ServoPort {
   explicit SimulatedDrive(const SimulatedDriveConfig& config);
 
   hal::ServoFeedback exchange(const hal::ServoCommand& command) override;
+  void disable() override {}
 
   // What the next feedback says of itself, until changed: to stage a bad encoder, or a tick at which results of the
   // background take effect. Both true to begin with.

@@ -68,6 +68,9 @@ struct Servo final : hal::ServoPort {
   bool count_up = true;
   std::vector<hal::ServoCommand> commands;
 
+  void disable() override {
+    if (!commands.empty()) commands.back().enabled = false;
+  }
   hal::ServoFeedback exchange(const hal::ServoCommand& command) override {
     commands.push_back(command);
     if (command.enabled) position = command.setpoint;

@@ -175,8 +175,10 @@ TEST_F(Enabled, a_link_that_stays_dead_ends_the_fault_reaction_after_a_second) {
   tick(100);
   for (int i = 0; i < 999; ++i) loop.own_timer_tick();
   TEST_ASSERT_TRUE(loop.snapshot().enabled);
+  TEST_ASSERT_TRUE(servo.enabled());
   loop.own_timer_tick();
   TEST_ASSERT_FALSE(loop.snapshot().enabled);
+  TEST_ASSERT_FALSE(servo.enabled());  // at the port itself: no exchange comes to say it
   TEST_ASSERT_EQUAL_ENUM(FaultCode::kLinkSilent, loop.snapshot().fault);
   tick(3);
   TEST_ASSERT_FALSE(servo.enabled());
@@ -285,6 +287,7 @@ TEST_F(Enabled, settled_ticks_count_only_standing_in_the_window) {
 TEST_F(Enabled, a_position_at_the_other_end_of_the_range_is_outside_the_window) {
   struct Far final : hal::ServoPort {
     uint16_t sequence = 0;
+    void disable() override {}
     hal::ServoFeedback exchange(const hal::ServoCommand&) override { return {INT64_MIN, 0, ++sequence, true, true}; }
   } far;
   ControlLoop other;

@@ -144,6 +144,7 @@ TEST_F(Enabled402, target_reached_waits_for_the_position_to_come_into_its_window
   struct Lagging final : hal::ServoPort {
     Servo* servo;
     int64_t error = 0;
+    void disable() override {}
     hal::ServoFeedback exchange(const hal::ServoCommand& command) override {
       hal::ServoFeedback feedback = servo->exchange(command);
       feedback.position += error;

@@ -4,6 +4,7 @@
 
 struct Port final : stillpoint::hal::ServoPort {
   stillpoint::hal::ServoFeedback exchange(const stillpoint::hal::ServoCommand&) override { return {}; }
+  void disable() override {}
 };
 
 void destroy(Port* port);

@@ -42,6 +42,8 @@ class ServoLinkPort final : public hal::ServoPort {
     return state_.feedback;
   }
 
+  void disable() override { set_enable_line(false); }
+
   // True when a sync is complete: time for a tick.
   [[nodiscard]] bool on_interrupt() {
     bool sync = false;

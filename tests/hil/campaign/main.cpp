@@ -48,6 +48,7 @@ struct Lines {
 class RecordPort final : public hal::ServoPort {
  public:
   explicit constexpr RecordPort(Lines& lines) : lines_(lines) {}
+  void disable() override {}
   hal::ServoFeedback exchange(const hal::ServoCommand& command) override {
     servo_link::encode_reply({command, lines_.feedback.sequence}, lines_.out.reply);
     return lines_.feedback;
