@@ -3,8 +3,11 @@
 
 #include <cstdio>
 #include <exception>
+#include <filesystem>
+#include <utility>
 
 #include "sim/cli/json.hpp"
+#include "sim/cli/plot.hpp"
 #include "sim/refusal.hpp"
 
 namespace stillpoint::cli {
@@ -98,6 +101,26 @@ CLI::Option* add_values(CLI::App& app, const std::string& name, std::vector<std:
       ->option_text(placeholder)
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+}
+
+void check_output(const Output& output) {
+  check_picture(output.plot);
+  const std::pair<const char*, const std::string&> files[] = {{"--csv", output.csv}, {"--plot", output.plot}};
+  for (const auto& [option, path] : files) {
+    if (path.empty()) continue;
+    const bool there = std::filesystem::exists(path);
+    std::FILE* file = std::fopen(path.c_str(), "a");
+    if (file == nullptr) throw sim::bad_argument(option, path, "cannot be written, a file that can be is accepted");
+    std::fclose(file);
+    if (!there) std::filesystem::remove(path);
+  }
+}
+
+int exit_code_of(bool within_limits) {
+  if (within_limits) return 0;
+  std::fprintf(stderr,
+               "stillpoint: error: limits: broken: by the setpoints emitted, which is a defect, please report it\n");
+  return 1;
 }
 
 void add_json(CLI::App& app, Output& output) {

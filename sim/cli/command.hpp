@@ -46,6 +46,12 @@ CLI::Option* add_values(CLI::App& app, const std::string& name, std::vector<std:
 void add_output(CLI::App& app, Output& output);
 void add_json(CLI::App& app, Output& output);
 
+// Refuses, before any work is done, files that cannot be written and pictures that cannot be drawn.
+void check_output(const Output& output);
+
+// The exit code of a command whose setpoints keep their limits or not; says so on standard error when not.
+int exit_code_of(bool within_limits);
+
 // One a file.
 void add_design(Commands& commands, Output& output);
 void add_profile(Commands& commands, Output& output);

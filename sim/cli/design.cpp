@@ -145,7 +145,7 @@ Picture picture_of(const Designed& designed) {
 }
 
 int run(const ShaperOption& shaper, const TickOption& tick, const Output& output) {
-  check_picture(output.plot);
+  check_output(output);
   Designed designed{};
   designed.tick_s = tick_of(tick);
   designed.specs = specs_of(shaper);

@@ -114,7 +114,7 @@ void print_as_table(const Result& result) {
 }
 
 int run(const MoveJobOptions& options, const std::string& elf, const Output& output) {
-  check_picture(output.plot);
+  check_output(output);
   if (elf.empty()) throw sim::bad_argument("--elf", "missing", "a firmware image is needed, `--elf FILE` is accepted");
   const Result result = run_both(options, elf);
   if (!output.csv.empty()) write_move_csv(output.csv, "hil", result.job, result.comparison);

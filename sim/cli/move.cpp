@@ -12,19 +12,20 @@ namespace stillpoint::cli {
 namespace {
 
 int run(const MoveJobOptions& options, const Output& output) {
-  check_picture(output.plot);
+  check_output(output);
   const MoveJob job = job_of(options);
   const sim::Comparison comparison = run_on_host(job);
+  const bool within = comparison.within_limits;
   if (!output.csv.empty()) write_move_csv(output.csv, "move", job, comparison);
   if (!output.plot.empty()) draw(output.plot, picture_of("stillpoint move: plain against shaped", job, comparison));
   if (output.json) {
-    Json object = {{"result", "ok"}};
+    Json object = {{"result", within ? "ok" : "limits_broken"}};
     object.update(json_of(comparison));
     print_json(object);
   } else {
     print_comparison(comparison);
   }
-  return 0;
+  return exit_code_of(within);
 }
 
 }  // namespace

@@ -99,7 +99,7 @@ void print_as_json(const Sampled& sampled) {
                       {"acceleration", phase.acceleration},
                       {"jerk", phase.jerk}});
   }
-  print_json({{"result", "ok"},
+  print_json({{"result", sampled.figures.within_limits ? "ok" : "limits_broken"},
               {"kind", kind_name(sampled.task.kind)},
               {"distance", sampled.task.distance_counts / sampled.task.counts_per_unit},
               {"tick_s", sampled.task.tick_s},
@@ -168,7 +168,7 @@ Picture picture_of(const Sampled& sampled) {
 }
 
 int run(const MoveOptions& options, const Output& output) {
-  check_picture(output.plot);
+  check_output(output);
   const Sampled sampled = sample(options);
   if (!output.csv.empty()) write_csv(output.csv, sampled);
   if (!output.plot.empty()) draw(output.plot, picture_of(sampled));
@@ -177,7 +177,7 @@ int run(const MoveOptions& options, const Output& output) {
   } else {
     print_as_table(sampled);
   }
-  return 0;
+  return exit_code_of(sampled.figures.within_limits);
 }
 
 }  // namespace

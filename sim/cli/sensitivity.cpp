@@ -145,7 +145,7 @@ void print_as_table(const Sweep& sweep) {
 }
 
 int run(const SensitivityOptions& options, const Output& output) {
-  check_picture(output.plot);
+  check_output(output);
   const Sweep sweep = swept(options);
   if (!output.csv.empty()) write_csv(output.csv, sweep);
   if (!output.plot.empty()) draw(output.plot, picture_of(sweep));

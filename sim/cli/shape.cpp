@@ -100,6 +100,11 @@ int run(const ShaperOption& shaper, const std::vector<std::string>& retune_texts
         static_cast<int32_t>(sim::parse_integer(trimmed(line), what, kMinPositionCounts, kMaxPositionCounts))));
   }
   while (!filter.at_rest()) step(filter.input());
+  if (next < retunes.size()) {
+    throw sim::bad_argument(
+        "--retune", retune_texts[next],
+        "the stream ended at tick " + std::to_string(now) + " before it, an earlier tick is accepted");
+  }
   return 0;
 }
 
