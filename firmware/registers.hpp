@@ -73,7 +73,14 @@ constexpr uint16_t address_of(Register name) { return static_cast<uint16_t>(name
 constexpr uint32_t kMaxModes = 4;
 constexpr uint32_t kModeStride = 8;
 
-enum class ModeField : uint16_t { kFrequency = 0, kDamping = 2, kTolerance = 3, kKind = 4, kReserved = 5 };
+enum class ModeField : uint16_t {
+  kFrequency = 0,
+  kDamping = 2,
+  kTolerance = 3,
+  kKind = 4,
+  kSpacing = 5,
+  kReserved = 6
+};
 
 constexpr Register mode_register(uint32_t mode, ModeField field) {
   return static_cast<Register>(address_of(Register::kFirstMode) + kModeStride * mode + static_cast<uint32_t>(field));

@@ -6,23 +6,21 @@
 namespace stillpoint::firmware {
 namespace {
 
-constexpr ModeField kFields[] = {ModeField::kFrequency, ModeField::kDamping, ModeField::kTolerance, ModeField::kKind};
-enum : uint32_t { kFrequency, kDamping, kTolerance, kKind };  // their places in kFields
+constexpr ModeField kFields[] = {ModeField::kFrequency, ModeField::kDamping, ModeField::kTolerance, ModeField::kKind,
+                                 ModeField::kSpacing};
+enum : uint32_t { kFrequency, kDamping, kTolerance, kKind, kSpacing };  // their places in kFields
 
 constexpr double kFrequencyPerHz = 1e4;
 constexpr double kDampingPerOne = 1e5;
+constexpr double kTolerancePerOne = 1e4;
+constexpr double kSpacingPerPeriod = 1e4;
 constexpr double kUsPerSecond = 1e6;
 
-ShaperKind kind_of(uint32_t register_value) {
-  switch (register_value) {
-    case 1: return ShaperKind::kZv;
-    case 2: return ShaperKind::kZvd;
-    default: return ShaperKind::kNone;
-  }
-}
-
-Mode mode_of(const uint32_t (&fields)[4]) {
-  return {fields[kFrequency] / kFrequencyPerHz, fields[kDamping] / kDampingPerOne};
+// Register values are ShaperKind's. A train of the client's own has no registers to come through.
+ShaperSpec spec_of(const uint32_t (&fields)[5]) {
+  const Mode mode{fields[kFrequency] / kFrequencyPerHz, fields[kDamping] / kDampingPerOne};
+  return {static_cast<ShaperKind>(fields[kKind]), mode, fields[kTolerance] / kTolerancePerOne,
+          fields[kSpacing] / kSpacingPerPeriod, nullptr};
 }
 
 bool same(const ShaperDesign& a, const ShaperDesign& b) {
@@ -85,9 +83,7 @@ void ShaperSettings::start_apply() {
 
 Status ShaperSettings::design(const Staged& staged, ShaperDesign& out, uint32_t& failed_mode) const {
   for (uint32_t k = 0; k < staged.count; ++k) {
-    const ShaperKind kind = kind_of(staged.fields[k][kKind]);
-    if (kind == ShaperKind::kNone) continue;
-    const Status status = add_shaper(kind, mode_of(staged.fields[k]), axis_->config().tick_s, out);
+    const Status status = add_shaper(spec_of(staged.fields[k]), axis_->config().tick_s, out);
     if (!status.ok()) {
       failed_mode = k;
       return status;
@@ -128,7 +124,13 @@ void ShaperSettings::refuse_design(const Status& status, uint32_t mode) {
   } else if (status.quantity == Quantity::kDampingRatio) {
     culprit = mode_register(mode, ModeField::kDamping);
     accepted = register_floor(status.accepted * kDampingPerOne);
-  } else if (status.quantity == Quantity::kStages) {
+  } else if (status.quantity == Quantity::kTolerance) {
+    culprit = mode_register(mode, ModeField::kTolerance);
+    accepted = register_floor(status.accepted * kTolerancePerOne);
+  } else if (status.quantity == Quantity::kSpacing) {
+    culprit = mode_register(mode, ModeField::kSpacing);
+    accepted = register_floor(status.accepted * kSpacingPerPeriod);
+  } else if (status.quantity == Quantity::kStages || status.quantity == Quantity::kTaps) {
     accepted = mode;  // as many modes as went in
   }
   const uint16_t reason = reason_of(status.error, status.quantity);
@@ -143,8 +145,8 @@ void ShaperSettings::refuse_length(const Status& status) {
   uint32_t accepted = 0;
   if (wanted_registers_.count == 1 && status.error == Error::kLineTooShort && status.accepted >= 1.0) {
     const auto& fields = wanted_registers_.fields[0];
-    const double lowest = lowest_frequency_hz(kind_of(fields[kKind]), mode_of(fields).damping_ratio,
-                                              axis_->config().tick_s, static_cast<size_t>(status.accepted));
+    const double lowest =
+        lowest_frequency_hz(spec_of(fields), axis_->config().tick_s, static_cast<size_t>(status.accepted));
     culprit = mode_register(0, ModeField::kFrequency);
     accepted = register_ceiling(lowest * kFrequencyPerHz);
   }

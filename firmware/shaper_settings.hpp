@@ -30,7 +30,7 @@ class ShaperSettings {
   bool waiting() const { return apply_requested_ || waiting_; }
 
  private:
-  static constexpr uint32_t kFieldCount = 4;
+  static constexpr uint32_t kFieldCount = 5;
   struct Staged {
     uint32_t count;
     uint32_t fields[kMaxModes][kFieldCount];

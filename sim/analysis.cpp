@@ -6,6 +6,9 @@
 #include <complex>
 #include <map>
 
+#include "shaper/shaping/prototype.hpp"
+#include "sim/refusal.hpp"
+
 namespace stillpoint::sim {
 namespace {
 
@@ -24,8 +27,8 @@ Pole pole_of(const Mode& mode) {
 
 long double gain_of(const Tap& tap) { return std::ldexp(static_cast<long double>(tap.gain), -kGainFractionBits); }
 
-std::vector<Impulse> impulses_of(const ShaperDesign& design, const Stage& stage, double tick_s) {
-  std::vector<Impulse> impulses;
+std::vector<ExactImpulse> impulses_of(const ShaperDesign& design, const Stage& stage, double tick_s) {
+  std::vector<ExactImpulse> impulses;
   for (uint32_t i = stage.first_tap; i < stage.first_tap + stage.tap_count; ++i) {
     const Tap& tap = design.taps[i];
     impulses.push_back({static_cast<long double>(tap.delay_ticks) * static_cast<long double>(tick_s), gain_of(tap)});
@@ -45,22 +48,35 @@ double edge(const ShaperDesign& design, Mode mode, double tolerance, double tick
 
 }  // namespace
 
-std::vector<Impulse> continuous_impulses(const ShaperSpec& spec) {
+std::vector<ExactImpulse> continuous_impulses(const SpecifiedShaper& spec) {
   if (spec.kind == ShaperKind::kNone) return {};
-  const Pole pole = pole_of(spec.mode);
-  const long double half_period = kPi / pole.damped;
-  const long double k = std::exp(-pole.decay * half_period);
-  if (spec.kind == ShaperKind::kZv) return {{0.0L, 1.0L / (1.0L + k)}, {half_period, k / (1.0L + k)}};
-  const long double sum = (1.0L + k) * (1.0L + k);
-  return {{0.0L, 1.0L / sum}, {half_period, 2.0L * k / sum}, {2.0L * half_period, k * k / sum}};
+  Prototype prototype;
+  require(make_prototype(spec, prototype));
+  std::map<long double, long double> product = {{0.0L, 1.0L}};
+  for (uint32_t i = 0; i < prototype.train.part_count; ++i) {
+    const Cascade::Part& part = prototype.train.parts[i];
+    std::map<long double, long double> next;
+    for (const auto& [time, amplitude] : product) {
+      for (uint32_t k = part.first; k < part.first + part.count; ++k) {
+        const Impulse& impulse = prototype.train.impulses[k];
+        next[time + static_cast<long double>(impulse.time)] += amplitude * static_cast<long double>(impulse.amplitude);
+      }
+    }
+    product = next;
+  }
+  std::vector<ExactImpulse> impulses;
+  for (const auto& [time, amplitude] : product) {
+    impulses.push_back({time / static_cast<long double>(spec.mode.frequency_hz), amplitude});
+  }
+  return impulses;
 }
 
-long double residual(const std::vector<Impulse>& impulses, const Mode& mode) {
+long double residual(const std::vector<ExactImpulse>& impulses, const Mode& mode) {
   if (impulses.empty()) return 1.0L;
   const Pole pole = pole_of(mode);
   const long double end = impulses.back().time_s;
   std::complex<long double> sum = 0.0L;
-  for (const Impulse& impulse : impulses) {
+  for (const ExactImpulse& impulse : impulses) {
     // exp(-zeta w t_n) is taken in here: no term can overflow.
     const long double amplitude = impulse.amplitude * std::exp(pole.decay * (impulse.time_s - end));
     const long double angle = pole.damped * impulse.time_s;
@@ -77,23 +93,31 @@ long double residual_on_grid(const ShaperDesign& design, const Mode& mode, doubl
   return product;
 }
 
-Band tolerated_band(const ShaperDesign& design, const Mode& mode, double tolerance, double tick_s) {
+Band tolerated_band(const ShaperDesign& design, const Mode& mode, double tolerance, double tick_s, const Band& from) {
   const double f = mode.frequency_hz;
   const auto tolerated = [&](double frequency) {
     const Mode other{frequency, mode.damping_ratio};
     return residual_on_grid(design, other, tick_s) <= static_cast<long double>(tolerance);
   };
-  if (!tolerated(f)) return Band{1.0, 1.0};
+  if (!tolerated(f * from.low_ratio) || !tolerated(f * from.high_ratio)) return Band{1.0, 1.0};
   constexpr double kStep = 1e-3;  // of f; a hump above the tolerance spans many of these
-  double low = f;
+  double low = f * from.low_ratio;
   while (low > kStep * f && tolerated(low - kStep * f)) low -= kStep * f;
   const double below = std::max(low - kStep * f, 0.0);
   low = edge(design, mode, tolerance, tick_s, low, below);
   const double nyquist = 0.5 / tick_s;
-  double high = f;
+  double high = std::min(f * from.high_ratio, nyquist);
   while (high < nyquist && tolerated(std::min(high + kStep * f, nyquist))) high = std::min(high + kStep * f, nyquist);
   if (high < nyquist) high = edge(design, mode, tolerance, tick_s, high, std::min(high + kStep * f, nyquist));
   return Band{low / f, high / f};
+}
+
+Band tolerated_band(const ShaperDesign& design, const SpecifiedShaper& spec, double tick_s) {
+  Band from{1.0, 1.0};
+  Prototype prototype;
+  if (make_prototype(spec, prototype).ok() && prototype.is_banded)
+    from = {prototype.zeros[0].ratio, prototype.zeros[prototype.zero_count - 1].ratio};
+  return tolerated_band(design, spec.mode, spec.tolerance, tick_s, from);
 }
 
 std::vector<ImpulseTap> multiplied_out(const ShaperDesign& design, size_t most) {

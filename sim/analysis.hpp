@@ -11,28 +11,32 @@
 
 namespace stillpoint::sim {
 
-struct Impulse {
+struct ExactImpulse {
   long double time_s;
   long double amplitude;
 };
 
-// The shaper as the literature has it, its impulses anywhere between the ticks (Park 2001): amplitudes
-// binomial(n-1, i) K^i / (1+K)^(n-1) at i Td/2. Empty for kNone.
-std::vector<Impulse> continuous_impulses(const ShaperSpec& spec);
+// The shaper as the literature has it, its impulses anywhere between the ticks, multiplied out. Empty for kNone.
+// Throws a Refusal where it has no solution.
+std::vector<ExactImpulse> continuous_impulses(const SpecifiedShaper& spec);
 
 // Residual vibration ratio V(w, zeta) = exp(-zeta w t_n) |sum A_i exp((zeta w + j wd) t_i)| of Park (1).
-long double residual(const std::vector<Impulse>& impulses, const Mode& mode);
+long double residual(const std::vector<ExactImpulse>& impulses, const Mode& mode);
 
 // The same for the quantised stages as they run: V of a convolution is the product of its stages' V (Park (3)).
 long double residual_on_grid(const ShaperDesign& design, const Mode& mode, double tick_s);
 
 // The contiguous band around mode.frequency_hz in which the stages, at the mode's damping, leave at most `tolerance`,
 // as ratios to it. It ends at half the tick rate at the latest, and is empty (1, 1) where the mode itself is above.
+// `from`: where the search for either edge begins.
 struct Band {
   double low_ratio;
   double high_ratio;
 };
-Band tolerated_band(const ShaperDesign& design, const Mode& mode, double tolerance, double tick_s);
+Band tolerated_band(const ShaperDesign& design, const Mode& mode, double tolerance, double tick_s,
+                    const Band& from = {1.0, 1.0});
+// The same from the outermost zeros on: humps between them are the shaper's own, within a thousandth of the tolerance.
+Band tolerated_band(const ShaperDesign& design, const SpecifiedShaper& spec, double tick_s);
 
 struct ImpulseTap {
   uint32_t delay_ticks;

@@ -1,37 +1,51 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/spec.hpp"
 
+#include <cstdlib>
+#include <fstream>
+
 #include "sim/refusal.hpp"
 #include "sim/text.hpp"
 
 namespace stillpoint::sim {
 namespace {
 
-constexpr const char* kForm = "TYPE:FREQUENCY:DAMPING[:v=TOLERANCE] is accepted, e.g. zv:11:0.11";
-constexpr const char* kTypes = "accepted: zv zvd none";
+constexpr const char* kForm =
+    "TYPE:FREQUENCY:DAMPING[:key=value[,key=value]] is accepted, e.g. zv:11:0.11 or ei:37:0.05:v=0.02";
 
 ShaperKind parse_kind(const std::string& text) {
-  if (text == "zv") return ShaperKind::kZv;
-  if (text == "zvd") return ShaperKind::kZvd;
-  if (text == "none") return ShaperKind::kNone;
-  throw bad_argument("shaper type", text, std::string("not a known type, ") + kTypes);
-}
-
-double parse_tolerance(const std::string& text) {
-  const double tolerance = parse_number(text, "tolerance");
-  if (tolerance <= 0.0 || tolerance >= 1.0) {
-    throw bad_argument("tolerance", text, "out of range, a residual above 0 and below 1 is accepted");
+  std::string all;
+  for (uint32_t i = 1; i < kShaperKinds; ++i) {
+    const auto kind = static_cast<ShaperKind>(i);
+    if (text == stillpoint::text(kind)) return kind;
+    all += std::string(stillpoint::text(kind)) + " ";
   }
-  return tolerance;
+  if (text == stillpoint::text(ShaperKind::kNone)) return ShaperKind::kNone;
+  throw bad_argument("shaper type", text, "not a known type, accepted: " + all + "none");
 }
 
-void parse_keys(const std::string& text, ShaperSpec& spec) {
-  for (const std::string& pair : split(text, ',')) {
-    const size_t equals = pair.find('=');
-    if (equals == std::string::npos || pair.substr(0, equals) != "v") {
-      throw bad_argument("shaper key", pair, "not known, v=TOLERANCE is accepted");
-    }
-    spec.tolerance = parse_tolerance(pair.substr(equals + 1));
+double parse_within(const std::string& text, const char* what, double low, double high) {
+  const double value = parse_number(text, what);
+  if (value < low || value > high)
+    throw bad_argument(what, text, "out of range, " + shortest(low) + " to " + shortest(high) + " is accepted");
+  return value;
+}
+
+void parse_key(const std::string& pair, SpecifiedShaper& spec) {
+  const size_t equals = pair.find('=');
+  const std::string key = pair.substr(0, equals);
+  const std::string value = equals == std::string::npos ? "" : pair.substr(equals + 1);
+  if (equals != std::string::npos && key == "v") {
+    spec.tolerance = parse_within(value, "tolerance", kMinTolerance, kMaxTolerance);
+  } else if (equals != std::string::npos && key == "spacing" && spec.kind == ShaperKind::kMzv) {
+    spec.spacing = parse_within(value, "spacing", kMinSpacing, kMaxSpacing);
+  } else if (equals != std::string::npos && key == "file" && spec.kind == ShaperKind::kCustom) {
+    spec.file = value;
+    spec.owned = std::make_shared<const ImpulseTrain>(read_train(value));
+    spec.train = spec.owned.get();
+  } else {
+    throw bad_argument("shaper key", pair,
+                       "not known, v=TOLERANCE is accepted, of mzv spacing=PERIODS and of custom file=CSV as well");
   }
 }
 
@@ -43,17 +57,34 @@ double damping_of(const std::string& text) {
   return damping;
 }
 
-ShaperSpec parse_shaper(const std::string& text) {
+// Everything behind the third colon: a file's name may have colons of its own.
+std::string keys_of(const std::string& text) {
+  size_t at = 0;
+  for (int i = 0; i < 3 && at != std::string::npos; ++i) at = text.find(':', at == 0 ? 0 : at + 1);
+  return at == std::string::npos ? "" : text.substr(at + 1);
+}
+
+SpecifiedShaper parse_shaper(const std::string& text) {
   const std::vector<std::string> parts = split(text, ':');
-  ShaperSpec spec{parse_kind(parts[0]), Mode{0.0, 0.0}, kDefaultTolerance};
+  SpecifiedShaper spec = shaper_spec(parse_kind(parts[0]), Mode{0.0, 0.0});
   if (spec.kind == ShaperKind::kNone && parts.size() == 1) return spec;
-  if (parts.size() < 3 || parts.size() > 4) {
+  if (parts.size() < 3) {
     throw bad_argument("shaper", text, std::string("not a shaper specification, ") + kForm);
   }
   spec.mode.frequency_hz = parse_positive(parts[1], "frequency");
   spec.mode.damping_ratio = damping_of(parts[2]);
-  if (parts.size() == 4) parse_keys(parts[3], spec);
+  if (parts.size() > 3) {
+    for (const std::string& pair : split(keys_of(text), ',')) parse_key(pair, spec);
+  }
+  if (spec.kind == ShaperKind::kCustom && spec.train == nullptr)
+    throw bad_argument("shaper", text, "has no train, custom:FREQUENCY:DAMPING:file=CSV is accepted");
   return spec;
+}
+
+bool is_number(const std::string& text) {
+  char* end = nullptr;
+  std::strtod(text.c_str(), &end);
+  return end != text.c_str();
 }
 
 void share_out(ArmModes& modes, size_t without_share, double given, const std::string& text) {
@@ -70,27 +101,53 @@ void share_out(ArmModes& modes, size_t without_share, double given, const std::s
 
 }  // namespace
 
-const char* name(ShaperKind kind) {
-  switch (kind) {
-    case ShaperKind::kNone: return "none";
-    case ShaperKind::kZv: return "zv";
-    case ShaperKind::kZvd: return "zvd";
-  }
-  return "none";
+SpecifiedShaper shaper_spec(ShaperKind kind, const Mode& mode, double tolerance) {
+  SpecifiedShaper spec{};
+  spec.kind = kind;
+  spec.mode = mode;
+  spec.tolerance = tolerance;
+  spec.spacing = kDefaultSpacing;
+  return spec;
 }
 
-std::string spec_text(const ShaperSpec& spec) {
-  if (spec.kind == ShaperKind::kNone) return "none";
-  std::string text =
-      std::string(name(spec.kind)) + ":" + shortest(spec.mode.frequency_hz) + ":" + shortest(spec.mode.damping_ratio);
-  if (spec.tolerance != kDefaultTolerance) text += ":v=" + shortest(spec.tolerance);
+ImpulseTrain read_train(const std::string& path) {
+  std::ifstream file(path);
+  if (!file) throw bad_argument("train", path, "cannot be read, a CSV file of time_s,amplitude lines is accepted");
+  ImpulseTrain train{};
+  std::string line;
+  for (int number = 1; std::getline(file, line); ++number) {
+    const std::string where = path + ", line " + std::to_string(number);
+    if (line.empty() || line[0] == '#' || line == "\r") continue;
+    const std::vector<std::string> cells = split(line, ',');
+    if (train.count == 0 && !is_number(cells[0])) continue;  // the header
+    if (cells.size() < 2) throw bad_argument("train", where, "has no two numbers, time_s,amplitude is accepted");
+    if (train.count == ImpulseTrain::kMaxImpulses)
+      throw bad_argument("train", where, "too many impulses, " + std::to_string(train.count) + " are accepted");
+    train.impulses[train.count++] = {parse_number(trimmed(cells[0]), where), parse_number(trimmed(cells[1]), where)};
+  }
+  require(train.validate());
+  return train;
+}
+
+std::string spec_text(const SpecifiedShaper& spec) {
+  std::string text = stillpoint::text(spec.kind);
+  if (spec.kind == ShaperKind::kNone) return text;
+  text += ":" + shortest(spec.mode.frequency_hz) + ":" + shortest(spec.mode.damping_ratio);
+  char before = ':';
+  const auto add = [&](const std::string& pair) {
+    text += before + pair;
+    before = ',';
+  };
+  if (spec.tolerance != kDefaultTolerance) add("v=" + shortest(spec.tolerance));
+  if (spec.kind == ShaperKind::kMzv && spec.spacing != kDefaultSpacing) add("spacing=" + shortest(spec.spacing));
+  if (spec.kind == ShaperKind::kCustom) add("file=" + spec.file);
   return text;
 }
 
-std::vector<ShaperSpec> parse_shapers(std::string_view text) {
-  std::vector<ShaperSpec> specs;
+std::vector<SpecifiedShaper> parse_shapers(std::string_view text) {
+  std::vector<SpecifiedShaper> specs;
   for (const std::string& part : split(text, '+')) {
-    const ShaperSpec spec = parse_shaper(part);
+    const SpecifiedShaper spec = parse_shaper(part);
     if (spec.kind != ShaperKind::kNone) specs.push_back(spec);
   }
   return specs;
@@ -121,9 +178,9 @@ ArmModes parse_arm(std::string_view text) {
   return modes;
 }
 
-ShaperDesign design_for(const std::vector<ShaperSpec>& specs, double tick_s) {
+ShaperDesign design_for(const std::vector<SpecifiedShaper>& specs, double tick_s) {
   ShaperDesign design{};
-  for (const ShaperSpec& spec : specs) require(add_shaper(spec.kind, spec.mode, tick_s, design));
+  for (const SpecifiedShaper& spec : specs) require(add_shaper(spec, tick_s, design));
   return design;
 }
 

@@ -2,6 +2,7 @@
 // The shaper and arm specifications that people write.
 #pragma once
 
+#include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -12,26 +13,25 @@
 
 namespace stillpoint::sim {
 
-// TYPE:FREQUENCY:DAMPING[:v=TOLERANCE], taken apart.
-struct ShaperSpec {
-  ShaperKind kind;
-  Mode mode;
-  double tolerance;  // tolerated residual, 0..1
+// TYPE:FREQUENCY:DAMPING[:key=value[,key=value]], taken apart: v=TOLERANCE, spacing=PERIODS (mzv), file=CSV (custom).
+struct SpecifiedShaper : stillpoint::ShaperSpec {
+  std::string file;
+  std::shared_ptr<const ImpulseTrain> owned;  // what `train` points to
 };
+SpecifiedShaper shaper_spec(ShaperKind kind, const Mode& mode, double tolerance = kDefaultTolerance);
 
-constexpr double kDefaultTolerance = 0.05;
+// A train of `time_s,amplitude` lines; a header line and lines that start with '#' are passed over. Throws a Refusal.
+ImpulseTrain read_train(const std::string& path);
 
-// "zv", "zvd", "none".
-const char* name(ShaperKind kind);
-std::string spec_text(const ShaperSpec& spec);
+std::string spec_text(const SpecifiedShaper& spec);
 
 // One SPEC, or several joined by '+'. `none` gives no shaper. Throws a Refusal.
-std::vector<ShaperSpec> parse_shapers(std::string_view text);
+std::vector<SpecifiedShaper> parse_shapers(std::string_view text);
 
 // F:Z[:SHARE][,F:Z[:SHARE]...]. A share left out: what the others leave, in equal parts. Throws a Refusal.
 ArmModes parse_arm(std::string_view text);
 
 // All stages one after the other. Throws a Refusal.
-ShaperDesign design_for(const std::vector<ShaperSpec>& specs, double tick_s);
+ShaperDesign design_for(const std::vector<SpecifiedShaper>& specs, double tick_s);
 
 }  // namespace stillpoint::sim

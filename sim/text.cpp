@@ -84,4 +84,10 @@ std::vector<std::string> split(std::string_view text, char separator) {
   }
 }
 
+std::string trimmed(std::string_view text) {
+  const size_t first = text.find_first_not_of(" \t\r");
+  if (first == std::string_view::npos) return "";
+  return std::string(text.substr(first, text.find_last_not_of(" \t\r") - first + 1));
+}
+
 }  // namespace stillpoint::sim

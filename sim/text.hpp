@@ -28,4 +28,7 @@ int64_t parse_integer(std::string_view text, const std::string& what, int64_t lo
 // The pieces between the separators: always one more than there are separators.
 std::vector<std::string> split(std::string_view text, char separator);
 
+// Without what editors and other systems leave around it: spaces, tabs, carriage returns.
+std::string trimmed(std::string_view text);
+
 }  // namespace stillpoint::sim

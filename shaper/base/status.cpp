@@ -36,6 +36,12 @@ const char* text(Quantity quantity) {
     case Quantity::kStages: return "stages";
     case Quantity::kDelay: return "delay";
     case Quantity::kKind: return "kind";
+    case Quantity::kSpacing: return "spacing";
+    case Quantity::kImpulses: return "number of impulses";
+    case Quantity::kImpulseTime: return "impulse time";
+    case Quantity::kImpulseAmplitude: return "impulse amplitudes";
+    case Quantity::kTaps: return "taps";
+    case Quantity::kImpulseSum: return "sum of impulse amplitudes";
   }
   return "unknown quantity";
 }

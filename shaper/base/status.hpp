@@ -35,6 +35,12 @@ enum class Quantity : uint8_t {
   kStages,
   kDelay,
   kKind,
+  kSpacing,
+  kImpulses,
+  kImpulseTime,
+  kImpulseAmplitude,
+  kImpulseSum,
+  kTaps,
 };
 
 // The answer of everything that can refuse. A refusal leaves the state before it in force.

@@ -2,60 +2,113 @@
 #include "shaper/shaping/design.hpp"
 
 #include "shaper/base/math.hpp"
+#include "shaper/shaping/grid_fit.hpp"
+#include "shaper/shaping/prototype.hpp"
+#include "shaper/shaping/quantise.hpp"
+#include "shaper/shaping/zv.hpp"
 
 namespace stillpoint {
 
 namespace {
 
-constexpr double kHighestFrequencyTicks = 0.49;  // periods a tick; half a period must last at least a tick
+// What a stage's sums can take is 4; the rest is for rounding.
+constexpr double kLargestGain = 1.999;
+constexpr double kLargestGainSum = 3.9;
 
-uint32_t stages_of(ShaperKind kind) {
-  switch (kind) {
-    case ShaperKind::kNone: return 0;
-    case ShaperKind::kZv: return 1;
-    case ShaperKind::kZvd: return 2;
+bool within_gains(const Cascade& taps) {
+  for (uint32_t i = 0; i < taps.part_count; ++i) {
+    double sum = 0.0;
+    for (uint32_t k = taps.parts[i].first; k < taps.parts[i].first + taps.parts[i].count; ++k) {
+      const double size = math::abs(taps.impulses[k].amplitude);
+      if (!(size < kLargestGain)) return false;
+      sum += size;
+    }
+    if (!(sum < kLargestGainSum)) return false;
   }
-  return 0;
+  return true;
 }
 
-Status check(const Mode& mode, double tick_s) {
-  const Status status = mode.validate();
-  if (!status.ok()) return status;
-  if (!math::is_finite(tick_s)) return refuse(Error::kNotFinite, Quantity::kTick, tick_s);
-  if (!(tick_s > 0.0)) return refuse(Error::kNotPositive, Quantity::kTick, tick_s);
-  if (mode.damping_ratio > kMaxDampingRatio)
-    return refuse(Error::kAboveMaximum, Quantity::kDampingRatio, mode.damping_ratio, kMaxDampingRatio);
-  if (mode.frequency_hz * tick_s > kHighestFrequencyTicks)
-    return refuse(Error::kAboveMaximum, Quantity::kFrequency, mode.frequency_hz, kHighestFrequencyTicks / tick_s);
-  const double lowest = lowest_frequency_hz(ShaperKind::kZv, mode.damping_ratio, tick_s, kMaxStageTicks);
-  if (mode.frequency_hz < lowest) return refuse(Error::kBelowMinimum, Quantity::kFrequency, mode.frequency_hz, lowest);
+double highest_ratio(const Prototype& prototype) { return prototype.zeros[prototype.zero_count - 1].ratio; }
+
+// The longest part of a prototype, in periods of the mode.
+double longest_part(const Prototype& prototype) {
+  double longest = 0.0;
+  for (uint32_t i = 0; i < prototype.train.part_count; ++i) {
+    const Cascade::Part& part = prototype.train.parts[i];
+    const double length = prototype.train.impulses[part.first + part.count - 1].time;
+    if (length > longest) longest = length;
+  }
+  return longest;
+}
+
+Status check_frequency(const Prototype& prototype, double frequency_hz, double tick_s) {
+  constexpr double kSlack = 1e-11;  // so that what is named is accepted, in twelve digits too
+  const double highest = kHighestCyclesATick / (tick_s * highest_ratio(prototype));
+  if (frequency_hz > highest * (1.0 + kSlack))
+    return refuse(Error::kAboveMaximum, Quantity::kFrequency, frequency_hz, highest);
+  const double lowest = longest_part(prototype) / (tick_s * (kMaxStageTicks - 3.0));
+  if (frequency_hz < lowest * (1.0 - kSlack))
+    return refuse(Error::kBelowMinimum, Quantity::kFrequency, frequency_hz, lowest);
   return kOk;
 }
 
-int32_t quantised(double gain) { return static_cast<int32_t>(math::floor(gain * kUnityGain + 0.5)); }
+// On the ticks, without looking at the band yet. False where the ticks cannot hold it.
+bool put_on_ticks(const Prototype& prototype, double damping_ratio, double cycles_a_tick, GridShaper& shaper) {
+  if (prototype.is_cascade || prototype.is_banded) {
+    if (!place(prototype, cycles_a_tick, shaper)) return false;
+  } else {
+    shaper = GridShaper{};
+    if (!nearest_train_on_grid(prototype.train, damping_ratio, cycles_a_tick, shaper.taps)) return false;
+  }
+  return within_gains(shaper.taps);
+}
 
-// The zero condition 1 a0 + q_k a1 + q_(k+1) a2 = 0 with q_d = p^-d = e^(zeta w d dt) e^(-j wd d dt). With
-// theta = wd dt, k theta <= pi < (k+1) theta, and u = pi - k theta, v = theta - u (both in [0, theta]) its imaginary
-// part gives a1 : a2 = E sin v : sin u, E = e^(zeta w dt), and its real part a0 = E^k (a1 cos u + a2 E cos v): all
-// positive, no difference of near-equal numbers at any frequency.
-void append_zv(const Mode& mode, double tick_s, ShaperDesign& design) {
-  const double angle = 2.0 * math::kPi * mode.frequency_hz * tick_s;
-  const double theta = angle * math::sqrt(1.0 - math::square(mode.damping_ratio));
-  const double k = math::floor(math::kPi / theta);
-  const double u = math::kPi - k * theta;
-  const double v = theta - u;
-  const double growth = math::exp(mode.damping_ratio * angle);
-  const double a1 = growth * math::sin(v);
-  const double a2 = math::sin(u);
-  const double a0 = math::exp(mode.damping_ratio * angle * k) * (a1 * math::cos(u) + a2 * growth * math::cos(v));
-  const double sum = a0 + a1 + a2;
-  const int32_t gain_1 = quantised(a1 / sum);
-  const int32_t gain_2 = quantised(a2 / sum);
-  const uint32_t delay = static_cast<uint32_t>(k);
-  design.stages[design.stage_count++] = Stage{design.tap_count, 3};
-  design.taps[design.tap_count++] = Tap{0, kUnityGain - gain_1 - gain_2};
-  design.taps[design.tap_count++] = Tap{delay, gain_1};
-  design.taps[design.tap_count++] = Tap{delay + 1, gain_2};
+// The highest frequency below one that the ticks cannot hold, to a part in a thousand.
+double highest_on_ticks(const Prototype& prototype, double damping_ratio, double cycles_a_tick) {
+  double works = 0.0;
+  double fails = cycles_a_tick;
+  GridShaper unused;
+  for (int i = 0; i < 12; ++i) {
+    const double middle = 0.5 * (works + fails);
+    (put_on_ticks(prototype, damping_ratio, middle, unused) ? works : fails) = middle;
+  }
+  return works;
+}
+
+Status check_room(const GridShaper& shaper, const ShaperDesign& design) {
+  const uint32_t stages = design.stage_count + shaper.taps.part_count;
+  const uint32_t taps = design.tap_count + shaper.taps.impulse_count;
+  if (stages > ShaperDesign::kMaxStages)
+    return refuse(Error::kTooManyStages, Quantity::kStages, stages, ShaperDesign::kMaxStages);
+  if (taps > ShaperDesign::kMaxTaps)
+    return refuse(Error::kTooManyStages, Quantity::kTaps, taps, ShaperDesign::kMaxTaps);
+  return kOk;
+}
+
+Status check_tick(double tick_s) {
+  if (!math::is_finite(tick_s)) return refuse(Error::kNotFinite, Quantity::kTick, tick_s);
+  if (!(tick_s > 0.0)) return refuse(Error::kNotPositive, Quantity::kTick, tick_s);
+  return kOk;
+}
+
+Status realise(const ShaperSpec& spec, double tick_s, GridShaper& shaper, PlacementReport& report) {
+  Prototype prototype;
+  Status status = make_prototype(spec, prototype);
+  if (status.ok()) status = check_frequency(prototype, spec.mode.frequency_hz, tick_s);
+  if (!status.ok()) return status;
+  const double zeta = spec.mode.damping_ratio;
+  const double cycles = spec.mode.frequency_hz * tick_s;
+  if (!put_on_ticks(prototype, zeta, cycles, shaper)) {
+    const double highest = highest_on_ticks(prototype, zeta, cycles) / tick_s;
+    return refuse(Error::kAboveMaximum, Quantity::kFrequency, spec.mode.frequency_hz, highest);
+  }
+  if (prototype.zero_count > 1) {
+    const GridShaper placed = shaper;
+    report.band_miss = fit_band(band_targets(prototype, zeta, spec.tolerance, cycles), zeta, cycles, shaper);
+    if (!within_gains(shaper.taps)) shaper = placed;
+  }
+  report.has_negative_tap = shaper.taps.has_negative() && !prototype.train.has_negative();
+  return kOk;
 }
 
 }  // namespace
@@ -76,24 +129,67 @@ double ShaperDesign::delay_ticks() const {
   return sum / kUnityGain;
 }
 
-Status add_shaper(ShaperKind kind, const Mode& mode, double tick_s, ShaperDesign& design) {
-  if (kind == ShaperKind::kNone) return kOk;
-  const Status status = check(mode, tick_s);
+double ShaperDesign::peak_gain() const {
+  double product = 1.0;
+  for (uint32_t i = 0; i < stage_count; ++i) {
+    double sum = 0.0;
+    for (uint32_t k = 0; k < stages[i].tap_count; ++k) {
+      sum += math::abs(static_cast<double>(taps[stages[i].first_tap + k].gain));
+    }
+    product *= sum / kUnityGain;
+  }
+  return product;
+}
+
+Cascade ShaperDesign::cascade() const {
+  Cascade out{};
+  for (uint32_t i = 0; i < stage_count; ++i) {
+    out.parts[out.part_count++] = Cascade::Part{stages[i].first_tap, stages[i].tap_count};
+  }
+  for (uint32_t i = 0; i < tap_count; ++i) {
+    out.impulses[out.impulse_count++] =
+        Impulse{static_cast<double>(taps[i].delay_ticks), static_cast<double>(taps[i].gain) / kUnityGain};
+  }
+  return out;
+}
+
+Status add_shaper(const ShaperSpec& spec, double tick_s, ShaperDesign& design, PlacementReport* report) {
+  if (spec.kind == ShaperKind::kNone) return kOk;
+  Status status = spec.validate();
+  if (status.ok()) status = check_tick(tick_s);
   if (!status.ok()) return status;
-  const uint32_t stages = stages_of(kind);
-  if (design.stage_count + stages > ShaperDesign::kMaxStages || design.tap_count + 3 * stages > ShaperDesign::kMaxTaps)
-    return refuse(Error::kTooManyStages, Quantity::kStages, design.stage_count + stages, ShaperDesign::kMaxStages);
-  for (uint32_t i = 0; i < stages; ++i) append_zv(mode, tick_s, design);
+  GridShaper shaper;
+  PlacementReport placed{0.0, false};
+  status = realise(spec.with_defaults(), tick_s, shaper, placed);
+  if (status.ok()) status = check_room(shaper, design);
+  if (!status.ok()) return status;
+  append_quantised(shaper.taps, design);
+  if (report != nullptr) *report = placed;
   return kOk;
 }
 
-double lowest_frequency_hz(ShaperKind kind, double damping_ratio, double tick_s, size_t line_length) {
-  const uint32_t stages = stages_of(kind);
-  if (stages == 0) return 0.0;
-  // A stage takes k + 2 signals, and k is at most c as long as half a damped period is below c + 1 ticks.
-  const double longest = math::floor(static_cast<double>(line_length) / stages) - 2.0;
-  if (longest < 1.0) return kHighestFrequencyTicks / tick_s;
-  return (1.0 + 1e-9) / (2.0 * tick_s * (longest + 1.0) * math::sqrt(1.0 - math::square(damping_ratio)));
+Status add_shaper(ShaperKind kind, const Mode& mode, double tick_s, ShaperDesign& design) {
+  return add_shaper(ShaperSpec{kind, mode, 0.0, 0.0, nullptr}, tick_s, design);
+}
+
+double lowest_frequency_hz(const ShaperSpec& spec, double tick_s, size_t line_length) {
+  if (spec.kind == ShaperKind::kNone) return 0.0;
+  ShaperSpec any = spec.with_defaults();
+  any.mode.frequency_hz = 1.0;  // a prototype does not depend on it
+  Prototype prototype;
+  if (!any.validate().ok() || any.kind == ShaperKind::kCustom || !make_prototype(any, prototype).ok()) return 0.0;
+  const double room = static_cast<double>(line_length);
+  const double highest = kHighestCyclesATick / (tick_s * highest_ratio(prototype));
+  const uint32_t stages = prototype.train.part_count;
+  if (prototype.is_cascade && !prototype.is_banded) {
+    // A stage takes k + 2 signals, and k is at most c as long as half a damped period is below c + 1 ticks.
+    const double longest = math::floor(room / stages) - 2.0;
+    if (longest < 1.0) return highest;
+    return (1.0 + 1e-9) / (2.0 * tick_s * (longest + 1.0) * damped_ratio(spec.mode.damping_ratio));
+  }
+  // A stage of length t takes at most floor(t) + 2 signals.
+  const double ticks = room - 2.0 * stages;
+  return ticks < 1.0 ? highest : prototype.train.length() / (ticks * tick_s);
 }
 
 }  // namespace stillpoint

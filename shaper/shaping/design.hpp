@@ -8,10 +8,10 @@
 
 #include "shaper/base/status.hpp"
 #include "shaper/shaping/mode.hpp"
+#include "shaper/shaping/response.hpp"
+#include "shaper/shaping/shaper_spec.hpp"
 
 namespace stillpoint {
-
-enum class ShaperKind : uint8_t { kNone, kZv, kZvd };
 
 constexpr int kGainFractionBits = 30;
 constexpr int32_t kUnityGain = INT32_C(1) << kGainFractionBits;
@@ -30,11 +30,10 @@ struct Stage {
 };
 
 constexpr uint32_t kMaxStageTicks = UINT32_C(1) << 20;
-constexpr double kMaxDampingRatio = 0.3;
 
 struct ShaperDesign {
-  static constexpr size_t kMaxStages = 8;
-  static constexpr size_t kMaxTaps = 24;
+  static constexpr size_t kMaxStages = stillpoint::kMaxStages;
+  static constexpr size_t kMaxTaps = stillpoint::kMaxTaps;
 
   uint32_t stage_count;  // 0: pass-through
   uint32_t tap_count;
@@ -47,19 +46,40 @@ struct ShaperDesign {
   uint32_t line_length() const;
   // Centroid of the impulse response, ticks: what the shaper delays a slow movement by.
   double delay_ticks() const;
+  // Sum of |gain|, multiplied over the stages: the most by which any peak of the input, of its velocity or of its
+  // acceleration can grow. 1 where no gain is negative; else a bound, exact for a single stage.
+  double peak_gain() const;
+  // The gains as impulses at whole ticks, for response.hpp.
+  Cascade cascade() const;
 };
 
-// Adds the stages of a shaper for `mode` to the design (several modes: call it once a mode).
-// ZV on the grid is one stage with taps at 0, k and k+1 ticks, k = floor(Td/2/dt), that puts zeros exactly on the
-// sampled poles exp((-zeta w +- j wd) dt) (reference: Park 2001 for the continuous shaper); ZVD is the same stage
-// twice. Gains are rounded to 2^-30, the first takes what is left to one; that moves the transfer at the pole by at
-// most 2^-31 (|1 - p^-k| + |1 - p^-(k+1)|), below 4e-9 for zeta up to 0.3. Refuses, naming the nearest value accepted:
-// an invalid mode or tick, a frequency above 0.49/dt or so low that a single stage would outlast kMaxStageTicks,
-// damping above 0.3, a design without room; `design` is then unchanged. Cost: one exp, one sqrt, three sin or cos a
-// call.
+// How well the ticks hold a shaper of humps or of several zeros.
+struct PlacementReport {
+  // The largest miss of a hump or a band edge against the continuous shaper: 1 is 1e-3 of V in a hump (or 2 % of the
+  // tolerance, if that is less), 1 % in an edge. Above 0.1 cycles a tick only what is higher or narrower counts.
+  double band_miss;
+  bool has_negative_tap;  // although the continuous shaper has no negative impulse
+};
+
+// Adds the stages of a shaper to the design (several modes: call it once a mode). ZV, ZVD, ZVDD, ZVDDD and CV are a
+// cascade of ZV stages with taps at 0, k and k+1 ticks that put a zero exactly on a sampled pole
+// exp((-zeta w +- j wd) dt); MZV, EI, UM-ZV and custom trains are one stage. See prototype.hpp for the continuous
+// shapers, grid.hpp for their way onto the ticks, grid_fit.hpp for what is kept of their bands there.
+// Gains are rounded to 2^-30, the first takes what is left to one; that moves the transfer at the pole by at most 2^-31
+// sum |1 - p^-d|, below 4e-9 for ZV at zeta up to 0.3 and 1e-7 for the longest.
+// Refuses, naming the nearest value accepted: an invalid spec or tick; a frequency whose highest zero would pass
+// 0.49/dt, or so high that the ticks cannot hold the train, or so low that a stage would outlast kMaxStageTicks; a
+// tolerance that has no damped shaper; a design without room. `design` is then unchanged. `report` may be null.
+// Cost: ZV one exp, one sqrt, three sin or cos; the bounds of the others at prototype.hpp and grid_fit.hpp, as
+// instructions in tests/bench.
+Status add_shaper(const ShaperSpec& spec, double tick_s, ShaperDesign& design, PlacementReport* report = nullptr);
+
+// The same with the defaults of ShaperSpec.
 Status add_shaper(ShaperKind kind, const Mode& mode, double tick_s, ShaperDesign& design);
 
-// The lowest frequency whose shaper of this kind a line of `line_length` signals can hold.
-double lowest_frequency_hz(ShaperKind kind, double damping_ratio, double tick_s, size_t line_length);
+// A frequency, as low as can be said without designing for each, whose shaper a line of `line_length` signals can hold:
+// the lowest one itself for ZV to ZVDDD, at most a tick a stage above it for the others. 0 for kNone and for what
+// cannot be designed.
+double lowest_frequency_hz(const ShaperSpec& spec, double tick_s, size_t line_length);
 
 }  // namespace stillpoint

@@ -53,7 +53,7 @@ class Client {
       const ModeRegisters& mode = modes[k];
       session_.write(address_of(firmware::mode_register(k, firmware::ModeField::kFrequency)),
                      {static_cast<uint16_t>(mode.frequency >> 16), static_cast<uint16_t>(mode.frequency), mode.damping,
-                      mode.tolerance, mode.kind});
+                      mode.tolerance, mode.kind, mode.spacing});
     }
     write(Register::kApplyShaper, kApplyAtRest);
     wait("the shaper in force", [this] {
@@ -187,7 +187,7 @@ class Recorder {
   uint32_t late_ticks_ = 0;
 };
 
-ChipRun run_once(const std::string& elf, const sim::MoveTask& task, const std::vector<sim::ShaperSpec>& specs,
+ChipRun run_once(const std::string& elf, const sim::MoveTask& task, const std::vector<sim::SpecifiedShaper>& specs,
                  const sim::ArmModes& arm, Progress& progress) {
   const std::unique_ptr<sim::Lock> lock = sim::start_locked(elf);
   sim::SimulatedDrive drive = sim::drive_for(task, arm, 0);
@@ -206,7 +206,7 @@ ChipRun run_once(const std::string& elf, const sim::MoveTask& task, const std::v
 
 }  // namespace
 
-ChipRun run_on_chip(const std::string& elf, const sim::MoveTask& task, const std::vector<sim::ShaperSpec>& specs,
+ChipRun run_on_chip(const std::string& elf, const sim::MoveTask& task, const std::vector<sim::SpecifiedShaper>& specs,
                     const sim::ArmModes& arm, Progress& progress) {
   for (int attempt = 1;; ++attempt) {
     try {

@@ -23,7 +23,7 @@ struct ChipRun {
 // Powers the chip on, enables the drive, sets shaper and move over Modbus as any client would, and records what comes
 // over the servo link until the drive reports the target reached. `specs` and `task` as `rounded` has them. Throws a
 // Refusal: of the emulator, of the client line, or with the drive's own reason.
-ChipRun run_on_chip(const std::string& elf, const sim::MoveTask& task, const std::vector<sim::ShaperSpec>& specs,
+ChipRun run_on_chip(const std::string& elf, const sim::MoveTask& task, const std::vector<sim::SpecifiedShaper>& specs,
                     const sim::ArmModes& arm, Progress& progress);
 
 }  // namespace stillpoint::cli

@@ -63,7 +63,8 @@ std::vector<Shown> on_host(const std::vector<Chosen>& moves) {
 std::vector<Shown> on_chip(const std::vector<Chosen>& moves, const std::string& elf) {
   const auto run = [&elf](const std::string& what, const sim::MoveTask& task, const MoveJob& job, bool shaped) {
     Progress progress("on the chip: " + what);
-    return run_on_chip(elf, task, shaped ? job.specs : std::vector<sim::ShaperSpec>{}, job.arm, progress).recording;
+    return run_on_chip(elf, task, shaped ? job.specs : std::vector<sim::SpecifiedShaper>{}, job.arm, progress)
+        .recording;
   };
   const MoveJob& any = moves[0].job;
   const sim::Recording plain = run("plain", any.plain, any, false);

@@ -17,11 +17,11 @@
 namespace stillpoint::cli {
 namespace {
 
-using sim::ShaperSpec;
+using sim::SpecifiedShaper;
 
 struct Designed {
   double tick_s;
-  std::vector<ShaperSpec> specs;
+  std::vector<SpecifiedShaper> specs;
   ShaperDesign design;  // of all of them
   std::vector<sim::ImpulseTap> taps;
 };
@@ -31,20 +31,20 @@ struct Quality {
   sim::Band band;
 };
 
-Quality quality_of(const ShaperSpec& spec, double tick_s) {
+Quality quality_of(const SpecifiedShaper& spec, double tick_s) {
   const ShaperDesign alone = sim::design_for({spec}, tick_s);
   return Quality{static_cast<double>(sim::residual_on_grid(alone, spec.mode, tick_s)),
-                 sim::tolerated_band(alone, spec.mode, spec.tolerance, tick_s)};
+                 sim::tolerated_band(alone, spec, tick_s)};
 }
 
-Json json_of(const ShaperSpec& spec, double tick_s) {
+Json json_of(const SpecifiedShaper& spec, double tick_s) {
   const Quality quality = quality_of(spec, tick_s);
   Json impulses = Json::array();
-  for (const sim::Impulse& impulse : sim::continuous_impulses(spec)) {
+  for (const sim::ExactImpulse& impulse : sim::continuous_impulses(spec)) {
     impulses.push_back(
         {{"time_s", static_cast<double>(impulse.time_s)}, {"amplitude", static_cast<double>(impulse.amplitude)}});
   }
-  return {{"type", sim::name(spec.kind)},
+  return {{"type", text(spec.kind)},
           {"frequency_hz", spec.mode.frequency_hz},
           {"damping_ratio", spec.mode.damping_ratio},
           {"tolerance", spec.tolerance},
@@ -70,7 +70,7 @@ Json stages_of(const ShaperDesign& design) {
 
 void print_as_json(const Designed& designed) {
   Json shapers = Json::array();
-  for (const ShaperSpec& spec : designed.specs) shapers.push_back(json_of(spec, designed.tick_s));
+  for (const SpecifiedShaper& spec : designed.specs) shapers.push_back(json_of(spec, designed.tick_s));
   Json object = {{"result", "ok"}, {"tick_s", designed.tick_s}, {"shapers", shapers}};
   object["stages"] = stages_of(designed.design);
   if (!designed.taps.empty()) {
@@ -88,7 +88,7 @@ void print_as_json(const Designed& designed) {
 
 void print_as_table(const Designed& designed) {
   Table shapers({"shaper", "residual on grid", "tolerance", "band from", "to [of f]"});
-  for (const ShaperSpec& spec : designed.specs) {
+  for (const SpecifiedShaper& spec : designed.specs) {
     const Quality quality = quality_of(spec, designed.tick_s);
     shapers.row({sim::spec_text(spec), fmt::format("{:.2e}", quality.residual_on_grid), figure(spec.tolerance),
                  fmt::format("{:.5f}", quality.band.low_ratio), fmt::format("{:.5f}", quality.band.high_ratio)});
@@ -111,7 +111,7 @@ void print_as_table(const Designed& designed) {
 
 void write_csv(const std::string& path, const Designed& designed) {
   Settings settings = {{"tick", sim::shortest(designed.tick_s) + " s"}};
-  for (const ShaperSpec& spec : designed.specs) settings.emplace_back("shaper", sim::spec_text(spec));
+  for (const SpecifiedShaper& spec : designed.specs) settings.emplace_back("shaper", sim::spec_text(spec));
   CsvFile csv(path, "design", settings, {"delay_ticks", "time_s", "gain"});
   for (const sim::ImpulseTap& tap : designed.taps) {
     csv.row({std::to_string(tap.delay_ticks), sim::shortest(tap.delay_ticks * designed.tick_s),
@@ -131,7 +131,7 @@ Picture picture_of(const Designed& designed) {
   Panel sensitivity{"What is left of a vibration of another frequency", "frequency [Hz]", "residual [%]", {}, {}};
   Series residual{"residual", line_style(kShapedColour, 2), {}, {}};
   double highest = 0.0;
-  for (const ShaperSpec& spec : designed.specs) highest = std::max(highest, spec.mode.frequency_hz);
+  for (const SpecifiedShaper& spec : designed.specs) highest = std::max(highest, spec.mode.frequency_hz);
   constexpr int kPoints = 800;
   const double damping = designed.specs.empty() ? 0.0 : designed.specs[0].mode.damping_ratio;
   for (int i = 1; i <= kPoints; ++i) {

@@ -59,7 +59,7 @@ Result run_both(const MoveJobOptions& options, const std::string& elf) {
 Json json_of_rounded(const MoveJob& job) {
   const double unit = job.plain.counts_per_unit;
   Json shapers = Json::array();
-  for (const sim::ShaperSpec& spec : job.specs) shapers.push_back(sim::spec_text(spec));
+  for (const sim::SpecifiedShaper& spec : job.specs) shapers.push_back(sim::spec_text(spec));
   return {{"distance_counts", job.plain.distance_counts},
           {"kind", kind_name(job.plain.kind)},
           {"velocity", job.plain.limits.velocity / unit},

@@ -25,7 +25,7 @@ void add_move_job(CLI::App& app, MoveJobOptions& options);
 struct MoveJob {
   sim::MoveTask plain;
   sim::MoveTask shaped;
-  std::vector<sim::ShaperSpec> specs;
+  std::vector<sim::SpecifiedShaper> specs;
   ShaperDesign design;
   sim::ArmModes arm;
   double settle_band;

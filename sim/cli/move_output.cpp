@@ -47,7 +47,7 @@ Signal at(const std::vector<Signal>& setpoints, size_t tick) { return setpoints[
 
 Settings job_settings(const MoveJob& job) {
   Settings settings = settings_of(job.plain);
-  for (const sim::ShaperSpec& spec : job.specs) settings.emplace_back("shaper", sim::spec_text(spec));
+  for (const sim::SpecifiedShaper& spec : job.specs) settings.emplace_back("shaper", sim::spec_text(spec));
   for (const sim::ArmMode& mode : job.arm) {
     settings.emplace_back("arm mode", sim::shortest(mode.mode.frequency_hz) + " Hz, damping ratio " +
                                           sim::shortest(mode.mode.damping_ratio) + ", share " +

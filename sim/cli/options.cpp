@@ -64,14 +64,14 @@ void add_shaper(CLI::App& app, ShaperOption& option) {
              "several modes: joined by +, or the option repeated");
 }
 
-std::vector<sim::ShaperSpec> specs_of(const ShaperOption& option) {
+std::vector<sim::SpecifiedShaper> specs_of(const ShaperOption& option) {
   if (option.specs.empty()) {
     throw bad_argument("--shaper", "missing",
                        "a shaper is needed, `--shaper zv:11:0.11` or `--shaper none` is accepted");
   }
-  std::vector<sim::ShaperSpec> all;
+  std::vector<sim::SpecifiedShaper> all;
   for (const std::string& text : option.specs) {
-    const std::vector<sim::ShaperSpec> specs = sim::parse_shapers(text);
+    const std::vector<sim::SpecifiedShaper> specs = sim::parse_shapers(text);
     all.insert(all.end(), specs.begin(), specs.end());
   }
   return all;

@@ -23,7 +23,7 @@ struct ShaperOption {
 };
 void add_shaper(CLI::App& app, ShaperOption& option);
 // All of them, in order. Refuses none at all (`--shaper none` says that none is wanted).
-std::vector<sim::ShaperSpec> specs_of(const ShaperOption& option);
+std::vector<sim::SpecifiedShaper> specs_of(const ShaperOption& option);
 
 // What `profile` knows of a move.
 struct MoveOptions {

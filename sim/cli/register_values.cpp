@@ -16,6 +16,7 @@ constexpr double kMsPerSecond = 1e3;
 constexpr double kFrequencyPerHz = 1e4;
 constexpr double kDampingPerOne = 1e5;
 constexpr double kTolerancePerOne = 1e4;
+constexpr double kSpacingPerPeriod = 1e4;
 constexpr int16_t kTrapezoidType = 0;
 constexpr int16_t kSCurveType = 3;
 
@@ -26,15 +27,6 @@ uint32_t to_register(const std::string& what, double value, double per_shown, do
   throw sim::bad_argument(what, sim::shortest(value / per_shown),
                           "beyond the drive's register, " + sim::shortest(low / per_shown) + " to " +
                               sim::shortest(high / per_shown) + " is accepted");
-}
-
-uint16_t kind_register(ShaperKind kind) {
-  switch (kind) {
-    case ShaperKind::kNone: return 0;
-    case ShaperKind::kZv: return 1;
-    case ShaperKind::kZvd: return 2;
-  }
-  return 0;
 }
 
 sim::MoveTask rounded(const sim::MoveTask& task) {
@@ -74,21 +66,26 @@ MoveRegisters registers_of(const sim::MoveTask& task) {
   return registers;
 }
 
-std::vector<ModeRegisters> registers_of(const std::vector<sim::ShaperSpec>& specs) {
+std::vector<ModeRegisters> registers_of(const std::vector<sim::SpecifiedShaper>& specs) {
   if (specs.size() > firmware::kMaxModes) {
     throw sim::bad_argument(
         "--shaper", std::to_string(specs.size()) + " modes",
         "more than the drive has registers for, at most " + std::to_string(firmware::kMaxModes) + " are accepted");
   }
   std::vector<ModeRegisters> all;
-  for (const sim::ShaperSpec& spec : specs) {
+  for (const sim::SpecifiedShaper& spec : specs) {
     ModeRegisters mode{};
     mode.frequency = to_register("frequency", spec.mode.frequency_hz * kFrequencyPerHz, kFrequencyPerHz, 5000, 3000000);
     mode.damping = static_cast<uint16_t>(
         to_register("damping ratio", spec.mode.damping_ratio * kDampingPerOne, kDampingPerOne, 0, 30000));
     mode.tolerance =
         static_cast<uint16_t>(to_register("tolerance", spec.tolerance * kTolerancePerOne, kTolerancePerOne, 10, 2000));
-    mode.kind = kind_register(spec.kind);
+    if (spec.kind == ShaperKind::kCustom)
+      throw sim::bad_argument("--shaper", sim::spec_text(spec),
+                              "a train that the drive has no registers for, the other types are accepted");
+    mode.kind = static_cast<uint16_t>(spec.kind);
+    mode.spacing =
+        static_cast<uint16_t>(to_register("spacing", spec.spacing * kSpacingPerPeriod, kSpacingPerPeriod, 2500, 5000));
     all.push_back(mode);
   }
   return all;
@@ -102,6 +99,7 @@ MoveJob rounded(const MoveJob& job) {
   for (size_t i = 0; i < modes.size(); ++i) {
     exact.specs[i].mode = {modes[i].frequency / kFrequencyPerHz, modes[i].damping / kDampingPerOne};
     exact.specs[i].tolerance = modes[i].tolerance / kTolerancePerOne;
+    exact.specs[i].spacing = modes[i].spacing / kSpacingPerPeriod;
   }
   exact.design = sim::design_for(exact.specs, exact.plain.tick_s);
   return exact;

@@ -15,6 +15,7 @@ struct ModeRegisters {
   uint16_t damping;    // 1e-5
   uint16_t tolerance;  // 0.01 %
   uint16_t kind;
+  uint16_t spacing;  // 1e-4 damped periods
 };
 
 struct MoveRegisters {
@@ -30,7 +31,7 @@ struct MoveRegisters {
 
 // Each to the nearest register value. Refuses what no register can hold, and a tick that is not the firmware's.
 MoveRegisters registers_of(const sim::MoveTask& task);
-std::vector<ModeRegisters> registers_of(const std::vector<sim::ShaperSpec>& specs);
+std::vector<ModeRegisters> registers_of(const std::vector<sim::SpecifiedShaper>& specs);
 
 // The job with every quantity as its register has it.
 MoveJob rounded(const MoveJob& job);

@@ -53,13 +53,13 @@ void set_frequencies(const SensitivityOptions& options, Sweep& sweep) {
 }
 
 Curve curve_of(const std::string& text, const Sweep& sweep) {
-  const std::vector<sim::ShaperSpec> specs = sim::parse_shapers(text);
+  const std::vector<sim::SpecifiedShaper> specs = sim::parse_shapers(text);
   const ShaperDesign design = sim::design_for(specs, sweep.tick_s);
   Curve curve{text, {}, {}};
   for (const double frequency : sweep.frequencies_hz) {
     const Mode plant{frequency, sweep.damping_ratio};
     long double continuous = 1.0L;  // V of a convolution is the product (Park (3))
-    for (const sim::ShaperSpec& spec : specs) continuous *= sim::residual(sim::continuous_impulses(spec), plant);
+    for (const sim::SpecifiedShaper& spec : specs) continuous *= sim::residual(sim::continuous_impulses(spec), plant);
     curve.continuous.push_back(static_cast<double>(continuous));
     curve.on_grid.push_back(static_cast<double>(sim::residual_on_grid(design, plant, sweep.tick_s)));
   }
@@ -70,7 +70,7 @@ Sweep swept(const SensitivityOptions& options) {
   Sweep sweep;
   sweep.tick_s = tick_of(options.tick);
   set_frequencies(options, sweep);
-  const std::vector<sim::ShaperSpec> all = specs_of(options.shaper);
+  const std::vector<sim::SpecifiedShaper> all = specs_of(options.shaper);
   if (!options.damping.empty()) {
     sweep.damping_ratio = sim::parse_number(options.damping, "--damping");
     if (!Mode{1.0, sweep.damping_ratio}.validate().ok())

@@ -13,14 +13,14 @@ namespace {
 
 double as_double(long double value) { return static_cast<double>(value); }
 
-ShaperSpec spec(ShaperKind kind, double frequency_hz, double damping_ratio) {
-  return ShaperSpec{kind, {frequency_hz, damping_ratio}, kDefaultTolerance};
+SpecifiedShaper spec(ShaperKind kind, double frequency_hz, double damping_ratio) {
+  return shaper_spec(kind, {frequency_hz, damping_ratio});
 }
 
 }  // namespace
 
 TEST_HOST(continuous_impulses_are_those_of_li_2017) {
-  const std::vector<Impulse> zv = continuous_impulses(spec(ShaperKind::kZv, 11.0, 0.11));
+  const std::vector<ExactImpulse> zv = continuous_impulses(spec(ShaperKind::kZv, 11.0, 0.11));
   TEST_ASSERT_EQUAL_UINT32(2, zv.size());
   TEST_ASSERT_DOUBLE_WITHIN(5e-5, 0.5861, as_double(zv[0].amplitude));
   TEST_ASSERT_DOUBLE_WITHIN(5e-5, 0.4139, as_double(zv[1].amplitude));
@@ -33,9 +33,9 @@ TEST_HOST(continuous_impulses_leave_nothing_of_their_own_mode) {
     const double frequency = random.between(0.5, 300.0);
     const double damping = random.between(0.0, 0.3);
     for (const ShaperKind kind : {ShaperKind::kZv, ShaperKind::kZvd}) {
-      const std::vector<Impulse> impulses = continuous_impulses(spec(kind, frequency, damping));
+      const std::vector<ExactImpulse> impulses = continuous_impulses(spec(kind, frequency, damping));
       long double sum = 0.0L;
-      for (const Impulse& impulse : impulses) sum += impulse.amplitude;
+      for (const ExactImpulse& impulse : impulses) sum += impulse.amplitude;
       TEST_ASSERT_DOUBLE_WITHIN(1e-15, 1.0, as_double(sum));
       TEST_ASSERT_AT_MOST_DOUBLE(1e-15, as_double(residual(impulses, {frequency, damping})));
     }

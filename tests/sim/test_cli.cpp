@@ -84,7 +84,10 @@ TEST_HOST(bad_arguments_end_with_2_and_name_what_is_accepted) {
   check_refused(2, "option: --color: not known to `design`, accepted: ", "design --shaper zv:11:0.1 --color red");
   check_refused(2, "option: --shaper: needs exactly one value", "design --shaper");
   check_refused(2, "--shaper: missing: ", "design");
-  check_refused(2, "shaper type: ei: not a known type, accepted: zv zvd none", "design --shaper ei:11:0.1");
+  check_refused(
+      2,
+      "shaper type: xy: not a known type, accepted: zv zvd zvdd zvddd mzv ei ei2 ei3 cv1 cv2 cv3 cv4 um-zv custom none",
+      "design --shaper xy:11:0.1");
   check_refused(2, "frequency: 600: above the maximum, at most 490 ", "design --shaper zv:600:0.1");
   check_refused(2, "--tick: 0: must be above zero", "design --shaper zv:11:0.1 --tick 0");
   check_refused(2, "--distance: missing: ", "profile --velocity 1 --acceleration 1");

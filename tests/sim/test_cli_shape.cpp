@@ -105,5 +105,5 @@ TEST_HOST(what_is_not_a_count_is_refused_by_its_line) {
   check_refused("standard input, line 1: -2147483649: out of range", "--shaper zv:11:0.1", "-2147483649\n");
   check_refused("--retune: 5: not TICK=SPEC", "--shaper none --retune 5", "1\n");
   check_refused("--retune: -1: out of range", "--shaper none --retune=-1=none", "1\n");
-  check_refused("shaper type: ei: ", "--shaper none --retune 5=ei:3:0", "1\n");
+  check_refused("shaper type: xy: ", "--shaper none --retune 5=xy:3:0", "1\n");
 }

@@ -105,7 +105,7 @@ TEST_HOST(integers_are_taken_whole_and_in_range) {
 }
 
 TEST_HOST(a_specification_is_taken_apart) {
-  const std::vector<ShaperSpec> specs = parse_shapers("zv:11:0.11+zvd:37.3:0.05:v=0.02+none");
+  const std::vector<SpecifiedShaper> specs = parse_shapers("zv:11:0.11+zvd:37.3:0.05:v=0.02+none");
   TEST_ASSERT_EQUAL_UINT32(2, specs.size());
   TEST_ASSERT_EQUAL_ENUM(ShaperKind::kZv, specs[0].kind);
   TEST_ASSERT_TRUE(specs[0].mode.frequency_hz == 11.0 && specs[0].mode.damping_ratio == 0.11);
@@ -119,10 +119,12 @@ TEST_HOST(a_specification_is_taken_apart) {
 
 TEST_HOST(a_specification_that_is_none_is_refused_by_what_is_wrong_with_it) {
   const auto refused = [](const char* text) { return refusal_of([&] { static_cast<void>(parse_shapers(text)); }); };
-  REQUIRE(refused("ei:11:0.1") == "2 shaper type: ei: not a known type, accepted: zv zvd none");
+  REQUIRE(refused("xy:11:0.1") ==
+          "2 shaper type: xy: not a known type, accepted: zv zvd zvdd zvddd mzv ei ei2 ei3 cv1 cv2 cv3 cv4 um-zv "
+          "custom none");
   REQUIRE(begins_with(refused(""), "2 shaper type: : "));
   REQUIRE(begins_with(refused("zv:11"), "2 shaper: zv:11: not a shaper specification"));
-  REQUIRE(begins_with(refused("zv:11:0.1:v=0.1:x"), "2 shaper: "));
+  REQUIRE(begins_with(refused("zv:11:0.1:v=0.1:x"), "2 tolerance: 0.1:x: "));
   REQUIRE(begins_with(refused("zv:x:0.1"), "2 frequency: x: not a number"));
   REQUIRE(begins_with(refused("zv:-11:0.1"), "2 frequency: -11: must be above zero"));
   REQUIRE(begins_with(refused("zv:11:1"), "2 damping ratio: 1: out of range"));

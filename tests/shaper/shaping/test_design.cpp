@@ -103,7 +103,8 @@ TEST(the_lowest_frequency_for_a_line_is_the_one_that_just_fits) {
   const uint32_t lines[] = {3, 4, 64, 1000, 2048};
   for (unsigned i = 0; i < 5; ++i) {
     for (double damping = 0.0; damping <= 0.3; damping += 0.1) {
-      const double lowest = lowest_frequency_hz(ShaperKind::kZv, damping, kTick, lines[i]);
+      const double lowest =
+          lowest_frequency_hz(ShaperSpec{ShaperKind::kZv, {1.0, damping}, 0.0, 0.0, nullptr}, kTick, lines[i]);
       if (lowest > 490) continue;
       TEST_ASSERT_AT_MOST_INT64(lines[i], designed(ShaperKind::kZv, lowest, damping).line_length());
       TEST_ASSERT_AT_LEAST_INT64(lines[i] + 1, designed(ShaperKind::kZv, lowest * 0.9999, damping).line_length());

@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "shaper/shaping/shaper_spec.hpp"
+
+#include "shaper/base/math.hpp"
+
+namespace stillpoint {
+
+namespace {
+
+Status check_range(double value, double low, double high, Quantity quantity) {
+  if (!math::is_finite(value)) return refuse(Error::kNotFinite, quantity, value);
+  if (value < low) return refuse(Error::kBelowMinimum, quantity, value, low);
+  if (value > high) return refuse(Error::kAboveMaximum, quantity, value, high);
+  return kOk;
+}
+
+}  // namespace
+
+Status ImpulseTrain::validate() const {
+  if (count < 1) return refuse(Error::kBelowMinimum, Quantity::kImpulses, count, 1);
+  if (count > kMaxImpulses) return refuse(Error::kAboveMaximum, Quantity::kImpulses, count, kMaxImpulses);
+  constexpr double kSumTolerance = 1e-3;
+  constexpr double kLargestSize = 3.5;
+  double sum = 0.0;
+  double size = 0.0;
+  for (uint32_t i = 0; i < count; ++i) {
+    const Impulse& impulse = impulses[i];
+    if (!math::is_finite(impulse.time)) return refuse(Error::kNotFinite, Quantity::kImpulseTime, impulse.time);
+    if (!math::is_finite(impulse.amplitude))
+      return refuse(Error::kNotFinite, Quantity::kImpulseAmplitude, impulse.amplitude);
+    if (i == 0 && impulse.time != 0.0) return refuse(Error::kAboveMaximum, Quantity::kImpulseTime, impulse.time, 0.0);
+    if (i > 0 && impulse.time <= impulses[i - 1].time)
+      return refuse(Error::kBelowMinimum, Quantity::kImpulseTime, impulse.time, impulses[i - 1].time);
+    sum += impulse.amplitude;
+    size += math::abs(impulse.amplitude);
+  }
+  if (sum < 1.0 - kSumTolerance) return refuse(Error::kBelowMinimum, Quantity::kImpulseSum, sum, 1.0);
+  if (sum > 1.0 + kSumTolerance) return refuse(Error::kAboveMaximum, Quantity::kImpulseSum, sum, 1.0);
+  if (size > kLargestSize) return refuse(Error::kAboveMaximum, Quantity::kImpulseAmplitude, size, kLargestSize);
+  return kOk;
+}
+
+ShaperSpec ShaperSpec::with_defaults() const {
+  ShaperSpec spec = *this;
+  if (spec.tolerance == 0.0) spec.tolerance = kDefaultTolerance;
+  if (spec.spacing == 0.0) spec.spacing = kDefaultSpacing;
+  return spec;
+}
+
+Status ShaperSpec::validate() const {
+  if (static_cast<uint32_t>(kind) >= kShaperKinds)
+    return refuse(Error::kAboveMaximum, Quantity::kKind, static_cast<double>(kind), kShaperKinds - 1);
+  const ShaperSpec given = with_defaults();
+  Status status = mode.validate();
+  if (status.ok()) status = check_range(mode.damping_ratio, 0.0, kMaxDampingRatio, Quantity::kDampingRatio);
+  if (status.ok()) status = check_range(given.tolerance, kMinTolerance, kMaxTolerance, Quantity::kTolerance);
+  if (status.ok()) status = check_range(given.spacing, kMinSpacing, kMaxSpacing, Quantity::kSpacing);
+  if (!status.ok() || kind != ShaperKind::kCustom) return status;
+  if (train == nullptr) return refuse(Error::kNotAvailable, Quantity::kImpulses, 0.0, 1.0);
+  return train->validate();
+}
+
+uint32_t humps_of(ShaperKind kind) {
+  switch (kind) {
+    case ShaperKind::kEi:
+    case ShaperKind::kCv1: return 1;
+    case ShaperKind::kEi2:
+    case ShaperKind::kCv2: return 2;
+    case ShaperKind::kEi3:
+    case ShaperKind::kCv3: return 3;
+    case ShaperKind::kCv4: return 4;
+    default: return 0;
+  }
+}
+
+const char* text(ShaperKind kind) {
+  constexpr const char* kNames[kShaperKinds] = {"none", "zv",  "zvd", "zvdd", "zvddd", "mzv",   "ei",    "ei2",
+                                                "ei3",  "cv1", "cv2", "cv3",  "cv4",   "um-zv", "custom"};
+  return static_cast<uint32_t>(kind) < kShaperKinds ? kNames[static_cast<uint32_t>(kind)] : "unknown";
+}
+
+}  // namespace stillpoint
