@@ -36,13 +36,13 @@ using PartDone = std::function<void(double part_done)>;
 // and, of the trains of that length, one whose largest V is the least (to 1e-4 of it). Few of its gains are above zero:
 // about as many as V has peaks at its largest. Throws a Refusal: bad_argument for a band or tolerance outside the
 // ranges above, damping above kMaxDampingRatio, or a band that reaches half the tick rate. Takes 1 to 200 ms for a band
-// of up to a factor of six, whatever the tick; up to 10 s for a factor of 20 at 1 %. Decided to 1e-6 of the tolerance: a
-// shorter train within that of it may be missed.
+// of up to a factor of six, whatever the tick; up to 10 s for a factor of 20 at 1 %. Decided to 1e-6 of the tolerance:
+// a shorter train within that of it may be missed.
 OptimalTrain shortest_positive_train(const ModeBand& band, double tolerance, double tick_s,
                                      const PartDone& part_done = {});
 
-// The same without a grid, in periods of `unit_hz`: from a grid of 1000 ticks a period, so at most 0.1 % of a period
-// too long.
+// The same without a grid, in periods of `unit_hz`: from a grid of 1000 ticks a period, so about 0.001 of a period too
+// long at most.
 double shortest_positive_periods(const ModeBand& band, double tolerance, double unit_hz);
 
 }  // namespace stillpoint::sim
