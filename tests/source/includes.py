@@ -28,8 +28,8 @@ MAY_INCLUDE = {
 FREESTANDING = ("shaper/", "hal/", "firmware/")
 FREESTANDING_HEADERS = {"stdint.h", "stddef.h", "limits.h", "float.h"}
 # Headers of the command line's packages, and who may include them.
-PACKAGES = ("CLI/", "fmt/", "nlohmann/")
-PACKAGE_USERS = ("sim/cli/", "tests/")
+PACKAGES = ("CLI/", "coin/", "fmt/", "nlohmann/")
+PACKAGE_USERS = ("sim/cli/", "sim/optimal_train", "tests/")
 INCLUDE = re.compile(r"^\s*#\s*include\b\s*(.*)")
 
 
@@ -109,6 +109,7 @@ def self_test():
         ("firmware/target/x/m.cpp", '"firmware/target/y/r.hpp"'),
         ("sim/s.cpp", '"tests/t.hpp"'),
         ("sim/s.cpp", "<fmt/core.h>"),
+        ("sim/s.cpp", "<coin/Clp_C_Interface.h>"),
         ("shaper/base/b.hpp", "<cstdint>"),
         ("firmware/f.hpp", "<math.h>"),
         ("shaper/base/b.hpp", '"p.hpp"'),  # not from the root
