@@ -11,8 +11,8 @@ namespace stillpoint::firmware {
 // Background only. Zero-initialised storage is valid.
 //
 // An apply is designed from the staged registers at once and refused at once; an accepted one waits until the axis
-// stands and takes effect at a tick that allows a commit. A blended one does not wait for rest if the move that is under
-// way leaves room. A stop that drops it on the way only makes it wait longer.
+// stands and takes effect at a tick that allows a commit. A blended one does not wait for rest if the move under way
+// leaves room. A stop that drops it on the way only makes it wait longer.
 // A refusal leaves what was in force, or on its way, as it is.
 class ShaperSettings {
  public:

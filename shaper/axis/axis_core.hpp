@@ -41,7 +41,7 @@ class AxisCore {
   // kBlended: also while the axis moves. Looks for a stretch of what is left of the move in which going over from the
   // one shaper's output to the other's keeps the limits of the move; the new shaper then runs beside the old from the
   // next commit on and is active once the blend is over. While there is none it stays pending, `service` looks again
-  // further on, and the next rest makes it active as kAtRest does: at the latest when the move stands by the old shaper.
+  // further on, and the next rest makes it active as kAtRest does: at the latest when the old shaper has drained.
   // A search needs both delay lines in the spare one; shapers too long for that wait for rest. Cost: see BlendSearch.
   Status set_shaper(const ShaperDesign& design, Retune when = Retune::kAtRest);
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where a move leaves room for a blend. Two shapers of different delay stand apart by the delay's worth of position, and
-// going over from one to the other takes velocity, acceleration and jerk of its own. With D = new - old,
+// Where a move leaves room for a blend. Two shapers of different delay stand apart by the delay's worth of position,
+// and going over from one to the other takes velocity, acceleration and jerk of its own. With D = new - old,
 //
 //   y' = (1-w) old' + w new' + w' D,  y'' = ... + 2 w' D' + w'' D,  y''' = ... + 3 w' D'' + 3 w'' D' + w''' D.
 //

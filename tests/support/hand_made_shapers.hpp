@@ -7,8 +7,8 @@
 
 namespace stillpoint::testing {
 
-// An undamped three-hump EI of 5 % as one stage, in closed form (Singhose 1997): five impulses half a period apart, each
-// after the first split linearly over two ticks.
+// An undamped three-hump EI of 5 % as one stage, in closed form (Singhose 1997): five impulses half a period apart,
+// each after the first split linearly over two ticks.
 inline ShaperDesign three_hump_ei(double frequency_hz, double tick_s) {
   constexpr double kTolerance = 0.05;
   const double a1 = (1.0 + 3.0 * kTolerance + 2.0 * math::sqrt(2.0 * (kTolerance * kTolerance + kTolerance))) / 16.0;
