@@ -30,7 +30,8 @@ Signal AxisCore::tick(bool commit) {
     begin_stop();
   }
   drop_stale_move();
-  if (commit) take_pending();
+  const uint32_t what = load(pending_);
+  if (what != kNothing && commit) take_pending(what);
   const Signal setpoint = advance();
   outputs_[2] = outputs_[1];
   outputs_[1] = outputs_[0];
@@ -70,9 +71,8 @@ void AxisCore::drop_stale_move() {
   if (load(pending_) == kMove && pending_epoch_ != epoch_) store(pending_, kNothing);
 }
 
-void AxisCore::take_pending() {
-  const uint32_t what = load(pending_);
-  if (what == kNothing || blending_ || load(looking_) != 0) return;
+void AxisCore::take_pending(uint32_t what) {
+  if (blending_ || load(looking_) != 0) return;
   const bool at_rest = published_.latest().phase == AxisPhase::kAtRest && !stopping_;
   if (at_rest && what == kMove) {
     active_track_ ^= 1;

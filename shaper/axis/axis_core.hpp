@@ -93,7 +93,7 @@ class AxisCore {
   void hand_over(Pending what, uint32_t epoch);
 
   void drop_stale_move();
-  void take_pending();
+  void take_pending(uint32_t what);
   void take_shaper(uint32_t what);
   void begin_blend();
   Signal blend(Signal input, Signal output);
