@@ -145,7 +145,7 @@ constexpr Parameter kParameters[kParameterCount] = {
     mode(1, 0), mode(1, 2), mode(1, 3), mode(1, 4), mode(1, 5), mode(1, 6), mode(1, 7),
     mode(2, 0), mode(2, 2), mode(2, 3), mode(2, 4), mode(2, 5), mode(2, 6), mode(2, 7),
     mode(3, 0), mode(3, 2), mode(3, 3), mode(3, 4), mode(3, 5), mode(3, 6), mode(3, 7),
-    command(R::kApplyShaper, 3, one_of(1, 3), Effect::kApplyShaper, "shaper: 1 apply at rest, 2 blended, 3 discard"),
+    command(R::kApplyShaper, 3, one_of(1, 2, 3), Effect::kApplyShaper, "shaper: 1 apply at rest, 2 blended, 3 discard"),
     shown(R::kShaperState, T::kU16, 0, 0, "shaper state"),
     shown(R::kShaperRefusal, T::kU16, 0, 0, "shaper refusal reason"),
     shown(R::kActiveDelayUs, T::kU32, 0, 0, "active shaper's delay", "us"),

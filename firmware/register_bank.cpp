@@ -5,6 +5,7 @@ namespace stillpoint::firmware {
 namespace {
 
 constexpr uint16_t kApplyAtRest = 1;
+constexpr uint16_t kApplyBlended = 2;
 constexpr uint32_t kAddressSpace = 0x10000;
 
 bool known_key(uint32_t key) {
@@ -170,8 +171,8 @@ void RegisterBank::set_off(const Parameter& parameter, uint32_t value) {
     case Effect::kControlword: parts_.drive->write_controlword(static_cast<uint16_t>(value)); break;
     case Effect::kPositionWindow: parts_.loop->set_position_window(value); break;
     case Effect::kApplyShaper:
-      if (value == kApplyAtRest) {
-        parts_.shaper->request_apply();
+      if (value == kApplyAtRest || value == kApplyBlended) {
+        parts_.shaper->request_apply(value == kApplyBlended ? Retune::kBlended : Retune::kAtRest);
       } else {
         parts_.shaper->discard();
       }

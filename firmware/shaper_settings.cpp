@@ -43,8 +43,9 @@ void ShaperSettings::begin(AxisCore& axis, Parameters& parameters) {
   show_in_force();
 }
 
-void ShaperSettings::request_apply() {
+void ShaperSettings::request_apply(Retune when) {
   apply_requested_ = true;
+  when_ = when;
   parameters_->set(Register::kShaperState, static_cast<uint32_t>(ShaperState::kPending));
   parameters_->set(Register::kShaperRefusal, 0);
 }
@@ -58,6 +59,7 @@ void ShaperSettings::discard() {
 
 void ShaperSettings::service() {
   if (apply_requested_) start_apply();
+  axis_->service();
   if (!waiting_ || axis_->pending()) return;
   if (same(axis_->shaper(), wanted_)) {
     finish();
@@ -93,7 +95,7 @@ Status ShaperSettings::design(const Staged& staged, ShaperDesign& out, uint32_t&
 }
 
 void ShaperSettings::hand_over() {
-  const Status status = axis_->set_shaper(wanted_);
+  const Status status = axis_->set_shaper(wanted_, when_);
   if (status.ok() || status.error == Error::kBusy) return;  // busy: asked again later
   waiting_ = false;
   refuse_length(status);

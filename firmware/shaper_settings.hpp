@@ -11,19 +11,21 @@ namespace stillpoint::firmware {
 // Background only. Zero-initialised storage is valid.
 //
 // An apply is designed from the staged registers at once and refused at once; an accepted one waits until the axis
-// stands and takes effect at a tick that allows a commit. A stop that drops it on the way only makes it wait longer.
+// stands and takes effect at a tick that allows a commit. A blended one does not wait for rest if the move under way
+// leaves room. A stop that drops it on the way only makes it wait longer.
 // A refusal leaves what was in force, or on its way, as it is.
 class ShaperSettings {
  public:
   void begin(AxisCore& axis, Parameters& parameters);
 
   // Register 0130: apply. The design is left to `service`, so that the client's answer does not wait for it.
-  void request_apply();
+  void request_apply(Retune when);
 
   // Register 0130: the staged registers go back to what is in force; an apply that still waits for the axis is dropped.
   void discard();
 
-  // As often as possible, when there is time for a design (some 10,000 instructions a mode with software doubles).
+  // As often as possible, when there is time for a design (some 10,000 instructions a mode with software doubles) or
+  // for the search that a blend takes (BlendSearch).
   void service();
 
   // Something applied is not in force yet; a move now would be run with the old shaper.
@@ -49,6 +51,7 @@ class ShaperSettings {
   AxisCore* axis_ = nullptr;
   Parameters* parameters_ = nullptr;
   bool apply_requested_ = false;
+  Retune when_ = Retune::kAtRest;
   bool waiting_ = false;
   ShaperDesign wanted_ = {};
   Staged wanted_registers_ = {};

@@ -7,6 +7,10 @@
 //   - The tick owns the sampler, the stop ramp, the active line and the published state.
 //   - The background owns the spare track and the spare line until it has filled them and set `pending_`; from then on
 //     they are the tick's, until the tick clears `pending_`. `pending_` is 32 bits, written last, read first.
+//   - In a blend the spare shaper and its line run beside the active ones; `pending_` stays set until it is over, and
+//     the pairs change places in that tick.
+//   - A pending shaper that waits for rest comes back to the background while `looking_` is set: the tick, which cannot
+//     be half-way through when the background runs, then takes nothing.
 //   - 64-bit values go from the tick to the background in a snapshot that is read again if a tick came between.
 #pragma once
 

@@ -51,18 +51,6 @@ Status AxisCore::configure(const AxisConfig& config) {
   return kOk;
 }
 
-Status AxisCore::set_shaper(const ShaperDesign& design) {
-  const uint32_t epoch = load(epoch_);
-  const AxisState now = state();
-  Status status = check_ready();
-  if (!status.ok()) return status;
-  const uint32_t spare = active_shaper_ ^ 1;
-  status = shapers_[spare].configure(design, memory_[spare], capacity_, now.setpoint);
-  if (!status.ok()) return status;
-  hand_over(kShaper, epoch);
-  return kOk;
-}
-
 Status AxisCore::command(const Move& move, MoveReport* report) {
   const uint32_t epoch = load(epoch_);
   const Signal start = state().setpoint;
@@ -76,6 +64,7 @@ Status AxisCore::command(const Move& move, MoveReport* report) {
   status = check_distance(distance);
   Plan plan{};
   if (status.ok()) status = plan_rest_to_rest(distance, move.limits, move.kind, config_.tick_s, plan);
+  const uint32_t least_ticks = plan.duration_ticks;
   MoveReport result{0, 0, plan.optimum_ticks, false};
   if (status.ok()) {
     status = move.zero_delay ? time_zero_delay(move, start, plan, result) : time_plainly(move, plan, result);
@@ -85,6 +74,8 @@ Status AxisCore::command(const Move& move, MoveReport* report) {
   result.profile_ticks = plan.duration_ticks;
   result.total_ticks = plan.duration_ticks + (distance != 0.0 ? shaper().length_ticks() : 0);
   if (report != nullptr) *report = result;
+  move_ = move;
+  move_sped_up_ = plan.duration_ticks < least_ticks;
   hand_over(kMove, epoch);
   return kOk;
 }

@@ -30,7 +30,8 @@ Signal AxisCore::tick(bool commit) {
     begin_stop();
   }
   drop_stale_move();
-  if (commit) take_pending();
+  const uint32_t what = load(pending_);
+  if (what != kNothing && commit) take_pending(what);
   const Signal setpoint = advance();
   outputs_[2] = outputs_[1];
   outputs_[1] = outputs_[0];
@@ -50,32 +51,88 @@ Signal AxisCore::advance() {
   } else if (drain_ticks_ > 0) {
     --drain_ticks_;
   }
-  return shapers_[active_shaper_].tick(sampler_.tick());
+  const Signal input = sampler_.tick();
+  const Signal output = shapers_[active_shaper_].tick(input);
+  return blending_ ? blend(input, output) : output;
+}
+
+Signal AxisCore::blend(Signal input, Signal output) {
+  const Signal next = shapers_[active_shaper_ ^ 1].tick(input);
+  if (blend_wait_ != 0) {
+    --blend_wait_;
+    return output;
+  }
+  const Signal mixed = blend_ramp_.tick(output, next);
+  if (blend_ramp_.done()) end_blend();
+  return mixed;
 }
 
 void AxisCore::drop_stale_move() {
   if (load(pending_) == kMove && pending_epoch_ != epoch_) store(pending_, kNothing);
 }
 
-void AxisCore::take_pending() {
-  const uint32_t what = load(pending_);
-  if (what == kNothing) return;
+void AxisCore::take_pending(uint32_t what) {
+  if (blending_ || load(looking_) != 0) return;
   const bool at_rest = published_.latest().phase == AxisPhase::kAtRest && !stopping_;
-  if (!at_rest) return;
-  if (what == kMove) {
+  if (at_rest && what == kMove) {
     active_track_ ^= 1;
     sampler_.begin(tracks_[active_track_]);
-  } else {
-    store(active_shaper_, active_shaper_ ^ 1);
-    length_ticks_ = shapers_[active_shaper_].design().length_ticks();
-    if (pending_epoch_ != epoch_) shapers_[active_shaper_].fill(outputs_[0]);
+    store(move_began_, published_.latest().tick);
+    store(pending_, kNothing);
+  } else if (at_rest) {
+    take_shaper(what);
+  } else if (what == kBlend && !stopping_) {
+    begin_blend();
   }
+}
+
+void AxisCore::take_shaper(uint32_t what) {
+  store(active_shaper_, active_shaper_ ^ 1);
+  length_ticks_ = shapers_[active_shaper_].design().length_ticks();
+  if (what != kShaper || pending_epoch_ != epoch_) shapers_[active_shaper_].fill(outputs_[0]);
   store(pending_, kNothing);
+}
+
+// The new line is not filled: fed for its length before the blend, it holds what it would hold had it run for ever.
+// Where that no longer fits, the background was late.
+void AxisCore::begin_blend() {
+  const uint32_t wait = blend_begin_ - (published_.latest().tick + 1);
+  const uint32_t length = shapers_[active_shaper_ ^ 1].design().length_ticks();
+  if (pending_epoch_ != epoch_ || static_cast<int32_t>(wait) < static_cast<int32_t>(length)) {
+    store(pending_, kLaterShaper);
+    return;
+  }
+  blending_ = true;
+  blend_wait_ = wait + 1;
+  blend_ramp_.begin(blend_order_);
+  if (length > length_ticks_) set_length(length);
+}
+
+void AxisCore::end_blend() {
+  blending_ = false;
+  store(active_shaper_, active_shaper_ ^ 1);
+  set_length(shapers_[active_shaper_].design().length_ticks());
+  store(pending_, kNothing);
+}
+
+// Only on the way to rest, where the new shaper then takes effect.
+void AxisCore::drop_blend() {
+  if (!blending_) return;
+  blending_ = false;
+  length_ticks_ = shapers_[active_shaper_].design().length_ticks();
+  store(pending_, kLaterShaper);
+}
+
+void AxisCore::set_length(uint32_t length_ticks) {
+  const uint32_t drained = length_ticks_ - drain_ticks_;
+  drain_ticks_ = length_ticks > drained ? length_ticks - drained : 0;
+  length_ticks_ = length_ticks;
 }
 
 void AxisCore::begin_stop() {
   ++epoch_;
   if (stopping_ || published_.latest().phase == AxisPhase::kAtRest) return;
+  drop_blend();
   stop_ramp_.start(stop_limits_, outputs_[0], outputs_[1], outputs_[2]);
   stopping_ = true;
 }
@@ -90,16 +147,17 @@ void AxisCore::rest_at(Signal position) {
 void AxisCore::reset(Signal position) {
   ++epoch_;
   store(stop_requested_, 0);
+  drop_blend();
   rest_at(position);
   for (int i = 0; i < 3; ++i) outputs_[i] = position;
   publish(position);
 }
 
 void AxisCore::publish(Signal setpoint) {
-  const AxisPhase phase = stopping_             ? AxisPhase::kStopping
-                          : !sampler_.at_rest() ? AxisPhase::kMoving
-                          : drain_ticks_ != 0   ? AxisPhase::kDraining
-                                                : AxisPhase::kAtRest;
+  const AxisPhase phase = stopping_                        ? AxisPhase::kStopping
+                          : !sampler_.at_rest()            ? AxisPhase::kMoving
+                          : drain_ticks_ != 0 || blending_ ? AxisPhase::kDraining
+                                                           : AxisPhase::kAtRest;
   const Signal demand = stopping_ ? setpoint : sampler_.position();
   published_.publish(AxisState{published_.latest().tick + 1, phase, demand, setpoint});
 }

@@ -6,6 +6,8 @@
 #include <stdint.h>
 
 #include "shaper/axis/axis_config.hpp"
+#include "shaper/axis/blend.hpp"
+#include "shaper/axis/blend_window.hpp"
 #include "shaper/base/shared.hpp"
 #include "shaper/profile/stop_ramp.hpp"
 #include "shaper/profile/track.hpp"
@@ -13,6 +15,8 @@
 #include "shaper/shaping/shaper.hpp"
 
 namespace stillpoint {
+
+enum class Retune : uint8_t { kAtRest, kBlended };
 
 class AxisCore {
  public:
@@ -31,17 +35,27 @@ class AxisCore {
   // runs through the stages, of at most kLongestSearchTicks and the shaper's length each. `report` may be null.
   Status command(const Move& move, MoveReport* report);
 
-  // Changes the shaper. It takes effect, at rest, at the next tick that allows a commit. Refuses kBusy while the axis
-  // moves or something is pending, and kLineTooShort (`value` signals needed, `accepted` signals there).
-  Status set_shaper(const ShaperDesign& design);
+  // Changes the shaper. Refuses kBusy while something is pending, and kLineTooShort (`value` signals needed, `accepted`
+  // signals there).
+  // kAtRest: refuses kBusy while the axis moves too; takes effect at the next tick that allows a commit.
+  // kBlended: also while the axis moves. Looks for a stretch of what is left of the move in which going over from the
+  // one shaper's output to the other's keeps the limits of the move; the new shaper then runs beside the old from the
+  // next commit on and is active once the blend is over. While there is none it stays pending, `service` looks again
+  // further on, and the next rest makes it active as kAtRest does: at the latest when the old shaper has drained.
+  // A search needs both delay lines in the spare one; shapers too long for that wait for rest. Cost: see BlendSearch.
+  Status set_shaper(const ShaperDesign& design, Retune when = Retune::kAtRest);
+
+  // For a blended retune that found no room in the part of the move that was searched, or whose window the tick missed:
+  // looks further, once there is further to look. Nothing breaks if it is never called: the retune then waits for rest.
+  void service();
 
   // One tick's state, never torn.
   AxisState state() const;
 
-  // True while a command or a shaper waits for a tick that allows a commit.
+  // True while a command or a shaper waits for a tick that allows a commit, and until a blended shaper is active.
   bool pending() const;
 
-  // The shaper in force (after the pending one took effect).
+  // The shaper in force (after the pending one took effect, after the blend to it).
   const ShaperDesign& shaper() const;
 
   const AxisConfig& config() const { return config_; }
@@ -50,7 +64,7 @@ class AxisCore {
 
   // Quick stop: from the next tick on the output itself ramps to rest within the quick-stop limits, past the shaper,
   // whose line is then filled with where the axis stands. No commit is needed. A pending move is dropped; a pending
-  // shaper stays, until the axis is at rest.
+  // shaper stays, until the axis is at rest, and so does one that is being blended in.
   void request_stop();
 
   // --- tick -------------------------------------------------------------------------------------------------------
@@ -68,15 +82,24 @@ class AxisCore {
   void attach(LineSample* active_memory, LineSample* spare_memory, size_t line_capacity);
 
  private:
-  enum Pending : uint32_t { kNothing, kMove, kShaper };
+  // A shaper's line is filled where the axis stands, or (kLaterShaper) left to the tick that takes it at rest.
+  enum Pending : uint32_t { kNothing, kMove, kShaper, kLaterShaper, kBlend };
 
   Status check_ready() const;
+  void offer_blend(uint32_t epoch, const AxisState& now);
+  bool find_blend(const AxisState& now);
   Status time_plainly(const Move& move, Plan& plan, MoveReport& report) const;
   Status time_zero_delay(const Move& move, Signal start, Plan& plan, MoveReport& report);
   void hand_over(Pending what, uint32_t epoch);
 
   void drop_stale_move();
-  void take_pending();
+  void take_pending(uint32_t what);
+  void take_shaper(uint32_t what);
+  void begin_blend();
+  Signal blend(Signal input, Signal output);
+  void end_blend();
+  void drop_blend();
+  void set_length(uint32_t length_ticks);
   void begin_stop();
   void rest_at(Signal position);
   Signal advance();
@@ -93,7 +116,17 @@ class AxisCore {
   // reset in between moves epoch_ on, and what was planned before it is dropped.
   uint32_t pending_ = kNothing;
   uint32_t pending_epoch_ = 0;
+  uint32_t blend_begin_ = 0;  // the axis's tick
+  uint32_t blend_order_ = 0;
+  uint32_t looking_ = 0;  // the background has a pending shaper back for a while
   uint32_t stop_requested_ = 0;
+
+  // The background's own.
+  Move move_ = {};              // the last one
+  bool move_sped_up_ = false;   // for zero delay, so only the shaper it was checked with is known to keep its limits
+  bool look_again_ = false;     // at
+  uint32_t look_again_at_ = 0;  // this tick of the axis
+  uint32_t blend_lead_ = 0;     // ticks from a search to the first window it may offer
 
   // Pairs: the tick's is the one of this index, the other the background's spare.
   uint32_t active_track_ = 0;
@@ -106,9 +139,13 @@ class AxisCore {
   StopRamp stop_ramp_ = {};
   bool stopping_ = false;
   uint32_t epoch_ = 0;
-  uint32_t length_ticks_ = 0;  // of the active shaper
-  uint32_t drain_ticks_ = 0;   // until the line holds nothing but the standing position
-  Signal outputs_[3] = {};     // newest first
+  uint32_t move_began_ = 0;    // tick before the move's first
+  uint32_t length_ticks_ = 0;  // of the active shaper, in a blend of the longer
+  uint32_t drain_ticks_ = 0;   // until its line holds nothing but the standing position
+  bool blending_ = false;      // the spare pair runs too
+  uint32_t blend_wait_ = 0;    // ticks of the old output still to come
+  BlendRamp blend_ramp_ = {};
+  Signal outputs_[3] = {};  // newest first
   Snapshot<AxisState> published_;
 };
 

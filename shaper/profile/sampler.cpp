@@ -34,6 +34,17 @@ void Sampler::begin(const Track& track) {
   add_switch();
 }
 
+void Sampler::begin_at(const Track& track, uint32_t tick) {
+  if (tick >= track.duration_ticks) {
+    rest_at(track.target);
+    return;
+  }
+  track_ = &track;
+  tick_ = tick;
+  state_ = track.differences_at(tick, next_switch_);
+  position_ = signal_from_wide(state_.difference[0]);
+}
+
 void Sampler::add_switch() {
   if (next_switch_ == track_->switch_count || track_->switches[next_switch_].tick != tick_) return;
   const Differences& add = track_->switches[next_switch_].add;

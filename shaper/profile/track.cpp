@@ -122,16 +122,8 @@ void advance(Differences& state, uint32_t ticks) {
 
 // Where the track ends, without the last snap to the target.
 Differences end_of(const Track& track) {
-  Differences state{};
-  state.difference[0] = Wide{0, static_cast<uint64_t>(track.start)};
-  uint32_t tick = 0;
-  for (uint32_t i = 0; i < track.switch_count; ++i) {
-    advance(state, track.switches[i].tick - tick);
-    tick = track.switches[i].tick;
-    for (int k = 0; k < 4; ++k) state.difference[k] += track.switches[i].add.difference[k];
-  }
-  advance(state, track.duration_ticks - tick);
-  return state;
+  uint32_t unused = 0;
+  return track.differences_at(track.duration_ticks, unused);
 }
 
 // What a third difference of 1 over the ticks [begin, end) leaves at `duration`, in powers of the duration.
@@ -196,6 +188,21 @@ void Track::make_uncorrected(const Plan& plan, Signal start, Track& out) {
   if (plan.duration_ticks == 0) return;
   add_segments(out, plan);
   out.target = static_cast<Signal>(end_of(out).difference[0].high);
+}
+
+Differences Track::differences_at(uint32_t tick, uint32_t& next_switch) const {
+  Differences state{};
+  state.difference[0] = Wide{0, static_cast<uint64_t>(start)};
+  uint32_t reached = 0;
+  next_switch = 0;
+  while (next_switch < switch_count && switches[next_switch].tick <= tick) {
+    const Switch& next = switches[next_switch++];
+    advance(state, next.tick - reached);
+    reached = next.tick;
+    for (int k = 0; k < 4; ++k) state.difference[k] += next.add.difference[k];
+  }
+  advance(state, tick - reached);
+  return state;
 }
 
 }  // namespace stillpoint

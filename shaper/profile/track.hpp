@@ -45,6 +45,9 @@ struct Track {
 
   // The plan as it is, ending where its own numbers lead: what `make` begins with. The target is the sample at the end.
   static void make_uncorrected(const Plan& plan, Signal start, Track& out);
+
+  // The state that `tick` ticks of adding lead to (without the last snap to the target), and which switch comes next.
+  Differences differences_at(uint32_t tick, uint32_t& next_switch) const;
 };
 
 // Walks along a track. Tick context: additions only; 3 of 128 bits a tick, 4 more where a segment begins.
@@ -54,6 +57,8 @@ class Sampler {
   void rest_at(Signal position);
   // Takes up the track at its start; the first `tick` returns the sample of tick 1. `track` must outlive the move.
   void begin(const Track& track);
+  // The same some way in, as if it had been ticked `tick` times. Background: exact, but in multiplications.
+  void begin_at(const Track& track, uint32_t tick);
 
   Signal tick();
   Signal position() const { return position_; }

@@ -77,15 +77,31 @@ std::vector<sim::SpecifiedShaper> specs_of(const ShaperOption& option) {
   return all;
 }
 
-void add_move_options(CLI::App& app, MoveOptions& options) {
-  add_value(app, "--distance", options.distance, "D", "signed distance to move [unit]");
+void add_limits(CLI::App& app, LimitOptions& options) {
   add_value(app, "--velocity", options.velocity, "V", "velocity limit [unit/s]");
   add_value(app, "--acceleration", options.acceleration, "A", "acceleration limit [unit/s^2]");
   add_value(app, "--deceleration", options.deceleration, "D", "deceleration limit [unit/s^2] (default: acceleration)");
   add_value(app, "--jerk", options.jerk, "J", "jerk limit [unit/s^3]; the s-curve needs it");
+  add_value(app, "--counts-per-unit", options.counts_per_unit, "N", "drive counts a unit (default 1000000)");
+}
+
+AxisLimits limits_of(const LimitOptions& options) {
+  const double unit = parse_positive(options.counts_per_unit, "--counts-per-unit");
+  AxisLimits limits{};
+  limits.velocity = in_counts(needed(options.velocity, "--velocity", "a velocity limit"), "--velocity", unit);
+  limits.acceleration =
+      in_counts(needed(options.acceleration, "--acceleration", "an acceleration limit"), "--acceleration", unit);
+  limits.deceleration =
+      options.deceleration.empty() ? limits.acceleration : in_counts(options.deceleration, "--deceleration", unit);
+  limits.jerk = in_counts(needed(options.jerk, "--jerk", "a jerk limit"), "--jerk", unit);
+  return limits;
+}
+
+void add_move_options(CLI::App& app, MoveOptions& options) {
+  add_value(app, "--distance", options.distance, "D", "signed distance to move [unit]");
+  add_limits(app, options);
   add_value(app, "--kind", options.kind, "KIND", "s-curve or trapezoid (default: s-curve if there is a jerk limit)");
   add_value(app, "--duration", options.duration, "T", "wanted duration [s] (default: the least the limits allow)");
-  add_value(app, "--counts-per-unit", options.counts_per_unit, "N", "drive counts a unit (default 1000000)");
   add_tick(app, options.tick);
 }
 

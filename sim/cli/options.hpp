@@ -25,17 +25,25 @@ void add_shaper(CLI::App& app, ShaperOption& option);
 // All of them, in order. Refuses none at all (`--shaper none` says that none is wanted).
 std::vector<sim::SpecifiedShaper> specs_of(const ShaperOption& option);
 
-// What `profile` knows of a move.
-struct MoveOptions {
-  TickOption tick;
-  std::string distance;
+struct LimitOptions {
   std::string velocity;
   std::string acceleration;
   std::string deceleration;
   std::string jerk;
+  std::string counts_per_unit = "1000000";
+
+  bool given() const { return !(velocity + acceleration + deceleration + jerk).empty(); }
+};
+void add_limits(CLI::App& app, LimitOptions& options);
+// In counts; all of them are needed, but for the deceleration. Refuses by the option's name.
+AxisLimits limits_of(const LimitOptions& options);
+
+// What `profile` knows of a move.
+struct MoveOptions : LimitOptions {
+  TickOption tick;
+  std::string distance;
   std::string kind;
   std::string duration;
-  std::string counts_per_unit = "1000000";
 };
 void add_move_options(CLI::App& app, MoveOptions& options);
 // In counts. Refuses by the option's name.

@@ -8,15 +8,11 @@
 #include "sim/cli/command.hpp"
 #include "sim/cli/options.hpp"
 #include "sim/refusal.hpp"
+#include "sim/retuned_stream.hpp"
 #include "sim/text.hpp"
 
 namespace stillpoint::cli {
 namespace {
-
-struct Retune {
-  int64_t tick;
-  ShaperDesign design;
-};
 
 // A shaper with its own memory, that knows when its line holds nothing but what stands.
 class Filter {
@@ -56,14 +52,14 @@ void print(Signal setpoint) {
   }
 }
 
-std::vector<Retune> retunes_of(const std::vector<std::string>& texts, double tick_s) {
-  std::vector<Retune> retunes;
+std::vector<sim::StreamRetune> retunes_of(const std::vector<std::string>& texts, double tick_s) {
+  std::vector<sim::StreamRetune> retunes;
   for (const std::string& text : texts) {
     const size_t equals = text.find('=');
     if (equals == std::string::npos) {
       throw sim::bad_argument("--retune", text, "not TICK=SPEC, e.g. 200=zvd:11:0.11 is accepted");
     }
-    const int64_t tick = sim::parse_integer(text.substr(0, equals), "--retune", 0, INT64_MAX);
+    const auto tick = static_cast<size_t>(sim::parse_integer(text.substr(0, equals), "--retune", 0, INT64_MAX));
     if (!retunes.empty() && tick < retunes.back().tick) {
       throw sim::bad_argument("--retune", text, "earlier than the one before it, rising ticks are accepted");
     }
@@ -79,12 +75,44 @@ std::string trimmed(const std::string& line) {
   return line.substr(first, line.find_last_not_of(" \t\r") - first + 1);
 }
 
-int run(const ShaperOption& shaper, const std::vector<std::string>& retune_texts, const TickOption& tick) {
+// Calls take(input) for each line of standard input.
+template <typename Take>
+void read_counts(const Take& take) {
+  std::string line;
+  for (size_t number = 1; std::getline(std::cin, line); ++number) {
+    const std::string what = "standard input, line " + std::to_string(number);
+    take(signal_from_counts(
+        static_cast<int32_t>(sim::parse_integer(trimmed(line), what, kMinPositionCounts, kMaxPositionCounts))));
+  }
+}
+
+[[noreturn]] void refuse_late(const std::string& retune, size_t end) {
+  throw sim::bad_argument(
+      "--retune", retune,
+      "the stream ended at tick " + std::to_string(end) + " before it, an earlier tick is accepted");
+}
+
+// The room for a blend is in what comes, so all of it is read first.
+int run_blended(const ShaperDesign& first, const std::vector<sim::StreamRetune>& retunes,
+                const std::vector<std::string>& retune_texts, const AxisLimits& limits, double tick_s) {
+  std::vector<Signal> input;
+  read_counts([&](Signal counts) { input.push_back(counts); });
+  const sim::RetunedStream stream = sim::retuned(input, first, retunes, limits, tick_s);
+  for (const Signal setpoint : stream.output) print(setpoint);
+  const size_t taken = stream.active_from.size();
+  if (taken < retunes.size()) refuse_late(retune_texts[taken], stream.output.size());
+  return 0;
+}
+
+int run(const ShaperOption& shaper, const std::vector<std::string>& retune_texts, const LimitOptions& limits,
+        const TickOption& tick) {
   const double tick_s = tick_of(tick);
-  Filter filter(sim::design_for(specs_of(shaper), tick_s));
-  const std::vector<Retune> retunes = retunes_of(retune_texts, tick_s);
+  const ShaperDesign first = sim::design_for(specs_of(shaper), tick_s);
+  const std::vector<sim::StreamRetune> retunes = retunes_of(retune_texts, tick_s);
+  if (limits.given()) return run_blended(first, retunes, retune_texts, limits_of(limits), tick_s);
+  Filter filter(first);
   size_t next = 0;
-  int64_t now = 0;
+  size_t now = 0;
   const auto step = [&](Signal input) {
     // At its tick, or at the first moment of rest after it. A new input of this tick already goes through the new one.
     while (next < retunes.size() && retunes[next].tick <= now && filter.at_rest()) {
@@ -93,18 +121,9 @@ int run(const ShaperOption& shaper, const std::vector<std::string>& retune_texts
     print(filter.tick(input));
     ++now;
   };
-  std::string line;
-  while (std::getline(std::cin, line)) {
-    const std::string what = "standard input, line " + std::to_string(now + 1);
-    step(signal_from_counts(
-        static_cast<int32_t>(sim::parse_integer(trimmed(line), what, kMinPositionCounts, kMaxPositionCounts))));
-  }
+  read_counts(step);
   while (!filter.at_rest()) step(filter.input());
-  if (next < retunes.size()) {
-    throw sim::bad_argument(
-        "--retune", retune_texts[next],
-        "the stream ended at tick " + std::to_string(now) + " before it, an earlier tick is accepted");
-  }
+  if (next < retunes.size()) refuse_late(retune_texts[next], now);
   return 0;
 }
 
@@ -113,14 +132,18 @@ int run(const ShaperOption& shaper, const std::vector<std::string>& retune_texts
 void add_shape(Commands& commands) {
   const auto shaper = std::make_shared<ShaperOption>();
   const auto retunes = std::make_shared<std::vector<std::string>>();
+  const auto limits = std::make_shared<LimitOptions>();
   const auto tick = std::make_shared<TickOption>();
   CLI::App& app = commands.add("shape",
                                "Filters counts, one a line on standard input, one a tick: shaped setpoints on standard "
                                "output, exact decimals of a count, until the line has drained.",
-                               [shaper, retunes, tick] { return run(*shaper, *retunes, *tick); });
+                               [shaper, retunes, limits, tick] { return run(*shaper, *retunes, *limits, *tick); });
   add_shaper(app, *shaper);
-  add_values(app, "--retune", *retunes, "TICK=SPEC",
-             "change to other shapers at that tick (the first line is tick 0), or when at rest next; may be repeated");
+  add_values(
+      app, "--retune", *retunes, "TICK=SPEC",
+      "change to other shapers at that tick (the first line is tick 0), or when at rest next; with limits, blended "
+      "before that where they leave room; may be repeated");
+  add_limits(app, *limits);
   add_tick(app, *tick);
 }
 

@@ -153,4 +153,30 @@ TEST_F(Counting, the_reference_move_is_counted) {
   }
 }
 
+// From the mode's ZV to its ZVD in a cruise, and the searches for it: one that finds room at once, one that finds none.
+TEST_F(Counting, a_blend_is_counted) {
+  TEST_ASSERT_OK(axis.configure(kAxis));
+  print("\ninstructions of a blend from ZV to ZVD\n");
+  print_left("", 16), print("   least    mean    most\n");
+  Count search, fruitless, ticks;
+  for (int pass = 0; pass < 2; ++pass) {
+    ShaperDesign from{}, to{};
+    TEST_ASSERT_OK(design_of(kScenarios[pass == 0 ? 1 : 2], from));
+    TEST_ASSERT_OK(design_of(kScenarios[pass == 0 ? 2 : 1], to));
+    TEST_ASSERT_OK(axis.set_shaper(from));
+    static_cast<void>(axis.tick());
+    Move move = axis.state().setpoint == 0 ? kMove : kMoveBack;
+    move.duration_s = pass == 0 ? 4.0 : 0.0;
+    TEST_ASSERT_OK(axis.command(move, nullptr));
+    for (int tick = 0; tick < 300; ++tick) static_cast<void>(axis.tick());
+    measure(pass == 0 ? search : fruitless, [&] { TEST_ASSERT_OK(axis.set_shaper(to, Retune::kBlended)); });
+    while (pass == 0 && axis.pending()) measure(ticks, [] { static_cast<void>(axis.tick()); });
+    while (axis.state().phase != AxisPhase::kAtRest) static_cast<void>(axis.tick());
+    static_cast<void>(axis.tick());
+  }
+  print_row("Axis::tick", ticks);
+  print_row("search", search);
+  print_row("no room", fruitless);
+}
+
 }  // namespace

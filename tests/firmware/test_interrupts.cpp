@@ -3,7 +3,11 @@
 #include <signal.h>
 #include <sys/time.h>
 
+#include <utility>
+
 #include "tests/firmware/rig.hpp"
+#include "tests/support/hand_made_shapers.hpp"
+#include "tests/support/stream_check.hpp"
 
 using namespace stillpoint;
 using namespace stillpoint::testing;
@@ -143,6 +147,67 @@ TEST_F(Watched, a_snapshot_is_never_of_two_ticks) {
     target = -target;
     TEST_ASSERT_OK(axis.command({target, ProfileKind::kSCurve, {1e7, 1e9, 1e9, 1e12}, 0.0, false}, nullptr));
   }
+}
+
+// Shapers exchanged in motion while ticks come at any instruction of the search.
+struct Retuned {
+  static Retuned* running;
+
+  Axis<256> axis;
+  std::vector<Signal> setpoints;
+  uint32_t count = 0;  // of them, as the background may read it
+
+  Retuned() {
+    TEST_ASSERT_OK(axis.configure(firmware::kDefaultAxis));
+    setpoints.resize(kRoom);
+    running = this;
+    start_signal([](int) {
+      if (running->count == kRoom) return;
+      running->setpoints[running->count] = running->axis.tick();
+      store(running->count, running->count + 1);
+    });
+  }
+  ~Retuned() { stop_signal(); }
+};
+
+Retuned* Retuned::running = nullptr;
+
+TEST_F(Retuned, a_blend_keeps_the_limits_whenever_ticks_interrupt_its_search) {
+  const AxisLimits limits{1.2e6, 20e6, 20e6, 600e6};
+  ShaperDesign fast{};
+  TEST_ASSERT_OK(add_shaper(ShaperKind::kZv, Mode{37.0, 0.0}, 1e-3, fast));
+  const ShaperDesign slow = three_hump_ei(30.0, 1e-3);
+  const uint64_t seed = 1;
+  TEST_INFO("seed", seed);
+  Random random(seed);
+  std::vector<std::pair<uint32_t, bool>> moves;  // where in the log one begins, and whether forward
+  uint32_t blended = 0;
+  bool forward = false;
+  for (int i = 0; i < 60; ++i) {
+    forward = !forward;
+    while (axis.pending() || axis.state().phase != AxisPhase::kAtRest) continue;
+    moves.emplace_back(load(count), forward);
+    const Move move{forward ? 900000 : 0, ProfileKind::kSCurve, limits, random.between(0.9, 1.4), false};
+    TEST_ASSERT_OK(axis.command(move, nullptr));
+    const uint32_t at = load(count) + static_cast<uint32_t>(random.integer(1, 600));
+    while (load(count) < at) continue;
+    TEST_ASSERT_OK(axis.set_shaper(axis.shaper().length_ticks() > 50 ? fast : slow, Retune::kBlended));
+    while (axis.pending()) axis.service();
+    if (axis.state().phase != AxisPhase::kAtRest) ++blended;
+  }
+  while (axis.state().phase != AxisPhase::kAtRest) continue;
+  stop_signal();
+  TEST_ASSERT_TRUE(count < kRoom);
+  moves.emplace_back(count, forward);
+  for (size_t i = 0; i + 1 < moves.size(); ++i) {
+    TEST_INFO("move", i);
+    const Signal start = signal_from_counts(moves[i].second ? 0 : 900000);
+    StreamCheck check(start, moves[i].second, limits, 1e-3);
+    for (uint32_t k = moves[i].first; k < moves[i + 1].first; ++k) check.next(setpoints[k]);
+    TEST_ASSERT_TRUE(check.within(3));
+    TEST_ASSERT_EQUAL_INT64(signal_from_counts(moves[i].second ? 900000 : 0), setpoints[moves[i + 1].first - 1]);
+  }
+  TEST_ASSERT_AT_LEAST_INT64(20, blended);
 }
 
 // The servo follows exactly, so a following error other than 0 would be a reading put together from two ticks.

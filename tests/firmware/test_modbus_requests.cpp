@@ -128,7 +128,7 @@ TEST_F(Rig, what_this_firmware_cannot_do_is_refused_as_a_value) {
     TEST_ASSERT_EQUAL_UINT32(kIllegalValue, write_single(row.address, row.bad));
     TEST_ASSERT_EQUAL_UINT32(row.good, get(row.address));
   }
-  TEST_ASSERT_EQUAL_UINT32(kIllegalValue, write_single(0x0130, 2));
+  TEST_ASSERT_EQUAL_UINT32(kIllegalValue, write_single(0x0130, 4));
   TEST_ASSERT_EQUAL_UINT32(kIllegalValue, write_single(0x0130, 0));
 }
 

@@ -137,6 +137,40 @@ TEST_F(Shaping, a_shaper_applied_while_moving_takes_effect_when_the_axis_stands)
   TEST_ASSERT_EQUAL_INT64(300000 * kCount, servo.setpoint());
 }
 
+TEST_F(Shaping, a_shaper_applied_blended_takes_over_in_the_move) {
+  enable();
+  TEST_ASSERT_EQUAL_UINT32(0, write_wide(0x0138, 2500));
+  move(1700000);
+  stage(1);
+  TEST_ASSERT_EQUAL_UINT32(0, write_single(0x0130, 2));
+  TEST_ASSERT_EQUAL_UINT32(2, get(0x0131));
+  TEST_ASSERT_EQUAL_UINT32(0, axis.shaper().stage_count);
+  step(600);
+  TEST_ASSERT_EQUAL_UINT32(1, get(0x0131));
+  TEST_ASSERT_EQUAL_UINT32(1, axis.shaper().stage_count);
+  TEST_ASSERT_TRUE(axis.state().phase == AxisPhase::kMoving);
+  TEST_ASSERT_DOUBLE_WITHIN(60.0, 18932.0, get_wide(0x0134));
+  run_to_the_end();
+  TEST_ASSERT_EQUAL_INT64(1700000 * kCount, servo.setpoint());
+}
+
+TEST_F(Shaping, a_blend_without_room_waits_for_rest_and_says_pending) {
+  stage(1);
+  apply();
+  enable();
+  move(1700000);  // in the least time: nowhere may it go faster, and a shorter delay has to be caught up
+  TEST_ASSERT_EQUAL_UINT32(0, write_single(0x0100, 0));
+  TEST_ASSERT_EQUAL_UINT32(0, write_single(0x0130, 2));
+  while (axis.state().phase != AxisPhase::kAtRest) {
+    TEST_ASSERT_EQUAL_UINT32(1, axis.shaper().stage_count);
+    step();
+  }
+  TEST_ASSERT_EQUAL_INT64(1700000 * kCount, servo.setpoint());
+  step();
+  TEST_ASSERT_EQUAL_UINT32(0, get(0x0131));
+  TEST_ASSERT_EQUAL_UINT32(0, axis.shaper().stage_count);
+}
+
 TEST_F(Shaping, a_quick_stop_does_not_lose_a_shaper_on_its_way) {
   enable();
   move(300000);
@@ -145,6 +179,23 @@ TEST_F(Shaping, a_quick_stop_does_not_lose_a_shaper_on_its_way) {
   control(0x02);
   step(100);
   TEST_ASSERT_EQUAL_UINT32(1, get(0x0131));
+}
+
+TEST_F(Shaping, a_quick_stop_does_not_lose_a_shaper_that_is_being_blended_in) {
+  for (uint32_t ticks = 0; ticks < 200; ticks += 20) {
+    TEST_INFO("ticks", ticks);
+    Shaping one;
+    one.enable();
+    TEST_ASSERT_EQUAL_UINT32(0, one.write_wide(0x0138, 2500));
+    one.move(1700000);
+    one.stage(1);
+    TEST_ASSERT_EQUAL_UINT32(0, one.write_single(0x0130, 2));
+    one.step(ticks);
+    one.control(0x02);
+    one.step(200);
+    TEST_ASSERT_EQUAL_UINT32(1, one.get(0x0131));
+    TEST_ASSERT_EQUAL_UINT32(1, one.axis.shaper().stage_count);
+  }
 }
 
 TEST_F(Shaping, a_set_point_waits_for_the_shaper_on_its_way) {

@@ -97,6 +97,47 @@ TEST_HOST(a_retune_while_moving_waits_for_rest) {
   REQUIRE(lines[80] == "0");
 }
 
+TEST_HOST(with_limits_a_retune_is_blended_into_a_cruise) {
+  // GIVEN a smooth start, a cruise of 1000 counts a tick and a smooth end WHEN a longer shaper is asked for in between
+  std::string input;
+  int64_t position = 0, velocity = 0;
+  for (int i = 0; i < 1500; ++i) {
+    velocity += i < 200 ? 5 : i >= 1300 ? -5 : 0;
+    position += velocity;
+    input += std::to_string(position) + "\n";
+  }
+  const std::string limits = " --velocity 1.2 --acceleration 20 --jerk 600";
+  const std::vector<std::string> before = shaped("--shaper zv:37:0", input);
+  const std::vector<std::string> after = shaped("--shaper zvd:15:0", input);
+  const std::vector<std::string> lines = shaped("--shaper zv:37:0 --retune 400=zvd:15:0" + limits, input);
+  // THEN it is in force within the cruise, nothing jumps, and the end is exact
+  TEST_ASSERT_EQUAL_UINT32(after.size(), lines.size());
+  for (size_t i = 0; i <= 460; ++i) REQUIRE(lines[i] == before[i]);
+  for (size_t i = 700; i < lines.size(); ++i) REQUIRE(lines[i] == after[i]);
+  double last = 0.0, step = 0.0;
+  for (const std::string& line : lines) {
+    const double next = std::stod(line);
+    TEST_ASSERT_AT_MOST_DOUBLE(1200.0, next - last);
+    TEST_ASSERT_DOUBLE_WITHIN(20.0, 0.0, next - last - step);
+    step = next - last;
+    last = next;
+  }
+  // AND a velocity limit that the cruise uses up leaves no room to catch up with a shorter one before it brakes
+  const std::vector<std::string> tight =
+      shaped("--shaper zvd:15:0 --retune 400=zv:37:0 --velocity 1 --acceleration 20 --jerk 600", input);
+  for (size_t i = 0; i < 1300; ++i) REQUIRE(tight[i] == after[i]);
+  REQUIRE(tight.back() == after.back());
+}
+
+TEST_HOST(limits_are_taken_whole_and_change_nothing_without_a_retune) {
+  check_refused("--jerk: missing", "--shaper none --velocity 1 --acceleration 1", "1\n");
+  check_refused("--velocity: -1: ", "--shaper none --velocity=-1 --acceleration 1 --jerk 1", "1\n");
+  check_refused("--retune: 9=none: the stream ended at tick 1 before it",
+                "--shaper none --retune 9=none --velocity 1 --acceleration 1 --jerk 1", "1\n");
+  const std::string limits = " --velocity 1 --acceleration 1 --jerk 1";
+  REQUIRE(shaped("--shaper zv:11:0.11" + limits, "7\n5\n100\n") == shaped("--shaper zv:11:0.11", "7\n5\n100\n"));
+}
+
 TEST_HOST(what_is_not_a_count_is_refused_by_its_line) {
   check_refused("standard input, line 1: abc: not an integer", "--shaper none", "abc\n");
   check_refused("standard input, line 3: 1.5: not an integer", "--shaper none", "1\n2\n1.5\n");

@@ -95,6 +95,11 @@ def leaves(one):
     return never and not condition, nowhere
 
 
+def pads(one):
+    """Between functions: the assembler's nops, the linker's zeros."""
+    return one.name == "nop" or (one.name, one.operands) == ("movs", "r0, r0")
+
+
 def examine(image):
     """(reached functions, complaints)"""
     complaints = []
@@ -138,7 +143,7 @@ def examine(image):
                 to = image.function_at(int(target[1], 16))
                 if to != function or mnemonic(one)[0] == "bl":
                     calls[function].add(to)
-        last = next((one for one in reversed(code) if one.name != "nop"), code[-1])  # nops pad
+        last = next((one for one in reversed(code) if not pads(one)), code[-1])
         if not leaves(last)[0] and mnemonic(last)[0] != "bl":  # a last call does not return
             calls[function] |= set(image.starts[bisect.bisect(image.starts, function):][:1])
         waiting += calls[function]
