@@ -99,8 +99,10 @@ class Shaped {
 class BlendFinder {
  public:
   BlendFinder(const Shaped& from, const Shaped& to, size_t first, size_t last, const Bounds& bounds)
-      : from_(from), to_(to), first_(first), bounds_(bounds) {
+      : from_(from), to_(to), first_(first), bounds_(bounds), loosest_(bounds) {
     for (size_t tick = first; tick <= last; ++tick) {
+      from.differences(tick).raise(loosest_);
+      to.differences(tick).raise(loosest_);
       const bool breaks = !from.differences(tick).keeps(bounds) || !to.differences(tick).keeps(bounds);
       broken_.push_back((broken_.empty() ? 0 : broken_.back()) + (breaks ? 1U : 0U));
     }
@@ -126,6 +128,7 @@ class BlendFinder {
   bool fits(const Window& window) const {
     if (keeps(window, bounds_)) return true;
     if (broken_[window.end() - first_] == broken_[window.begin - first_]) return false;
+    if (!keeps(window, loosest_)) return false;
     Bounds raised = bounds_;
     for (size_t tick = window.begin + 1; tick <= window.end(); ++tick) {
       from_.differences(tick).raise(raised);
@@ -159,6 +162,7 @@ class BlendFinder {
   const Shaped& to_;
   size_t first_;
   Bounds bounds_;
+  Bounds loosest_;                // raised by every tick: what does not keep these need not be looked at closely
   std::vector<uint32_t> broken_;  // ticks from `first_` on, so far, at which one of the two is outside the limits
 };
 

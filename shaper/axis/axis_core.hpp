@@ -42,7 +42,8 @@ class AxisCore {
   // one shaper's output to the other's keeps the limits of the move; the new shaper then runs beside the old from the
   // next commit on and is active once the blend is over. While there is none it stays pending, `service` looks again
   // further on, and the next rest makes it active as kAtRest does: at the latest when the old shaper has drained.
-  // A search needs both delay lines in the spare one; shapers too long for that wait for rest. Cost: see BlendSearch.
+  // The move then ends with the new shaper's length. A search needs both delay lines in the spare one; shapers too long
+  // for that wait for rest. Cost: see BlendSearch, and 2 to 3 KB of stack.
   Status set_shaper(const ShaperDesign& design, Retune when = Retune::kAtRest);
 
   // For a blended retune that found no room in the part of the move that was searched, or whose window the tick missed:

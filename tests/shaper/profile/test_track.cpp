@@ -92,6 +92,22 @@ TEST(the_reference_move_samples_the_continuous_plan) {
 
 #ifndef STILLPOINT_CHIP_TESTS
 
+TEST(a_sampler_that_begins_within_a_move_goes_on_as_one_that_came_there) {
+  const Plan plan = planned(-123456.0, {1.2e6, 20e6, 30e6, 600e6});
+  Run run;
+  run.begin(plan, signal_from_counts(7), signal_from_counts(7 - 123456));
+  for (uint32_t tick = 0; tick <= plan.duration_ticks + 1; ++tick) {
+    TEST_INFO("tick", tick);
+    Sampler other;
+    other.begin_at(run.track, tick);
+    TEST_ASSERT_EQUAL_INT64(run.sampler.position(), other.position());
+    Sampler on = run.sampler;
+    for (int i = 0; i < 40; ++i) TEST_ASSERT_EQUAL_INT64(on.tick(), other.tick());
+    TEST_ASSERT_TRUE(on.at_rest() == other.at_rest());
+    run.sampler.tick();
+  }
+}
+
 TEST_HOST(a_segment_of_a_million_ticks_errs_by_less_than_an_lsb) {
   // GIVEN one segment from a moving state, in numbers that binary cannot hold
   const uint64_t seed = 8;
