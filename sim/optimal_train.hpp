@@ -7,17 +7,10 @@
 #include <functional>
 #include <vector>
 
+#include "shaper/shaping/band_check.hpp"
 #include "sim/analysis.hpp"
 
 namespace stillpoint::sim {
-
-// All modes with their natural frequency and damping ratio in these ranges. Damping may be one value, low = high.
-struct ModeBand {
-  double low_hz;
-  double high_hz;
-  double low_damping;
-  double high_damping;
-};
 
 struct OptimalTrain {
   uint32_t length_ticks;         // delay of the last tap, from which V is counted

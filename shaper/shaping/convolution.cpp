@@ -39,11 +39,7 @@ void fill(const Offsets& offsets, double damping_ratio, Prototype& out) {
 // d ln V / d ratio_i at a fixed frequency: part i depends on frequency / ratio_i only.
 double after_ratio(const Prototype& at, uint32_t i, double frequency) {
   const Zero& zero = at.zeros[i];
-  const Cascade::Part& part = at.train.parts[i];
-  const Transfer transferred = transfer(at.train.impulses + part.first, part.count, frequency, zero.damping_ratio);
-  const double slope = (transferred.value.re * transferred.slope.re + transferred.value.im * transferred.slope.im) /
-                       square_of(transferred.value);
-  return -slope * frequency / zero.ratio;
+  return -log_slope_of_part(at.train, i, frequency, zero.damping_ratio) * frequency / zero.ratio;
 }
 
 // One Newton step towards humps of `log_tolerance`; the largest miss before it comes back in `miss`.

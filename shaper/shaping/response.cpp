@@ -62,6 +62,12 @@ LogResidual log_residual(const Cascade& cascade, double frequency, double dampin
   return sum;
 }
 
+double log_slope_of_part(const Cascade& cascade, uint32_t part, double frequency, double damping_ratio) {
+  const Cascade::Part& one = cascade.parts[part];
+  const Transfer at = transfer(cascade.impulses + one.first, one.count, frequency, damping_ratio);
+  return (at.value.re * at.slope.re + at.value.im * at.slope.im) / square_of(at.value);
+}
+
 double residual(const Cascade& cascade, double frequency, double damping_ratio) {
   double product = 1.0;
   for (uint32_t i = 0; i < cascade.part_count; ++i) {

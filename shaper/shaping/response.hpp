@@ -56,6 +56,9 @@ struct LogResidual {
 };
 LogResidual log_residual(const Cascade& cascade, double frequency, double damping_ratio);
 
+// The same slope of one part alone.
+double log_slope_of_part(const Cascade& cascade, uint32_t part, double frequency, double damping_ratio);
+
 double residual(const Cascade& cascade, double frequency, double damping_ratio);
 
 }  // namespace stillpoint

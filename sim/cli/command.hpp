@@ -56,6 +56,8 @@ int exit_code_of(bool within_limits);
 void add_design(Commands& commands, Output& output);
 void add_profile(Commands& commands, Output& output);
 void add_sensitivity(Commands& commands, Output& output);
+void add_robustness(Commands& commands, Output& output);
+void add_recommend(Commands& commands, Output& output);
 void add_shape(Commands& commands);
 void add_move(Commands& commands, Output& output);
 void add_hil(Commands& commands, Output& output);

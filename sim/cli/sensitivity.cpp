@@ -56,10 +56,12 @@ Curve curve_of(const std::string& text, const Sweep& sweep) {
   const std::vector<sim::SpecifiedShaper> specs = sim::parse_shapers(text);
   const ShaperDesign design = sim::design_for(specs, sweep.tick_s);
   Curve curve{text, {}, {}};
+  std::vector<std::vector<sim::ExactImpulse>> trains;
+  for (const sim::SpecifiedShaper& spec : specs) trains.push_back(sim::continuous_impulses(spec));
   for (const double frequency : sweep.frequencies_hz) {
     const Mode plant{frequency, sweep.damping_ratio};
     long double continuous = 1.0L;  // V of a convolution is the product (Park (3))
-    for (const sim::SpecifiedShaper& spec : specs) continuous *= sim::residual(sim::continuous_impulses(spec), plant);
+    for (const auto& train : trains) continuous *= sim::residual(train, plant);
     curve.continuous.push_back(static_cast<double>(continuous));
     curve.on_grid.push_back(static_cast<double>(sim::residual_on_grid(design, plant, sweep.tick_s)));
   }
