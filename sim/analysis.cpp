@@ -155,4 +155,16 @@ long double peak_gain(const ShaperDesign& design) {
   return sum;
 }
 
+FrequencyGain highest_gain(const ShaperDesign& design, double tick_s) {
+  constexpr int kPoints = 4096;
+  FrequencyGain highest{1.0, 0.0};
+  for (int i = 1; i <= kPoints; ++i) {
+    // An undamped vibration of the arm answers as the shaper does to a sine of its frequency.
+    const double frequency = 0.5 / tick_s * i / kPoints;
+    const double gain = static_cast<double>(residual_on_grid(design, {frequency, 0.0}, tick_s));
+    if (gain > highest.gain * (1.0 + 1e-9)) highest = {gain, frequency};
+  }
+  return highest;
+}
+
 }  // namespace stillpoint::sim

@@ -51,4 +51,12 @@ std::vector<ImpulseTap> multiplied_out(const ShaperDesign& design, size_t most);
 constexpr size_t kMostTaps = 4096;
 long double peak_gain(const ShaperDesign& design);
 
+// The input's frequency, up to half the tick rate, that comes out largest: 1 at 0 Hz for shapers of positive impulses;
+// what others excite above it. 4,096 frequencies are looked at.
+struct FrequencyGain {
+  double gain;
+  double frequency_hz;
+};
+FrequencyGain highest_gain(const ShaperDesign& design, double tick_s);
+
 }  // namespace stillpoint::sim

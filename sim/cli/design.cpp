@@ -29,12 +29,15 @@ struct Designed {
 struct Quality {
   double residual_on_grid;
   sim::Band band;
+  PlacementReport placement;
 };
 
 Quality quality_of(const SpecifiedShaper& spec, double tick_s) {
-  const ShaperDesign alone = sim::design_for({spec}, tick_s);
+  ShaperDesign alone{};
+  PlacementReport placement{};
+  sim::require(stillpoint::add_shaper(spec, tick_s, alone, &placement));
   return Quality{static_cast<double>(sim::residual_on_grid(alone, spec.mode, tick_s)),
-                 sim::tolerated_band(alone, spec, tick_s)};
+                 sim::tolerated_band(alone, spec, tick_s), placement};
 }
 
 Json json_of(const SpecifiedShaper& spec, double tick_s) {
@@ -51,7 +54,9 @@ Json json_of(const SpecifiedShaper& spec, double tick_s) {
           {"impulses", impulses},
           {"residual_on_grid", quality.residual_on_grid},
           {"low_ratio", quality.band.low_ratio},
-          {"high_ratio", quality.band.high_ratio}};
+          {"high_ratio", quality.band.high_ratio},
+          {"band_miss", quality.placement.band_miss},
+          {"negative_tap", quality.placement.has_negative_tap}};
 }
 
 Json stages_of(const ShaperDesign& design) {
@@ -83,15 +88,21 @@ void print_as_json(const Designed& designed) {
   object["length_ticks"] = designed.design.length_ticks();
   object["delay_s"] = designed.design.delay_ticks() * designed.tick_s;
   object["peak_gain"] = static_cast<double>(sim::peak_gain(designed.design));
+  const sim::FrequencyGain highest = sim::highest_gain(designed.design, designed.tick_s);
+  object["highest_gain"] = highest.gain;
+  object["highest_gain_hz"] = highest.frequency_hz;
   print_json(object);
 }
 
 void print_as_table(const Designed& designed) {
-  Table shapers({"shaper", "residual on grid", "tolerance", "band from", "to [of f]"});
+  Table shapers({"shaper", "residual on grid", "tolerance", "band from", "to [of f]", "miss on grid"});
+  bool negative = false;
   for (const SpecifiedShaper& spec : designed.specs) {
     const Quality quality = quality_of(spec, designed.tick_s);
     shapers.row({sim::spec_text(spec), fmt::format("{:.2e}", quality.residual_on_grid), figure(spec.tolerance),
-                 fmt::format("{:.5f}", quality.band.low_ratio), fmt::format("{:.5f}", quality.band.high_ratio)});
+                 fmt::format("{:.5f}", quality.band.low_ratio), fmt::format("{:.5f}", quality.band.high_ratio),
+                 fmt::format("{:.2f}", quality.placement.band_miss)});
+    negative = negative || quality.placement.has_negative_tap;
   }
   shapers.print();
   fmt::print("\n");
@@ -105,8 +116,13 @@ void print_as_table(const Designed& designed) {
     }
   }
   stages.print();
-  fmt::print("\nlength {} ticks, delay {:.6f} s (centroid), peak gain {:.6g}\n", designed.design.length_ticks(),
-             designed.design.delay_ticks() * designed.tick_s, static_cast<double>(sim::peak_gain(designed.design)));
+  const double peak = static_cast<double>(sim::peak_gain(designed.design));
+  const sim::FrequencyGain highest = sim::highest_gain(designed.design, designed.tick_s);
+  fmt::print("\nlength {} ticks, delay {:.6f} s (centroid)\n", designed.design.length_ticks(),
+             designed.design.delay_ticks() * designed.tick_s);
+  fmt::print("peak gain {:.6g}: of position, velocity and acceleration; highest gain {:.6g}, of {:.4g} Hz\n", peak,
+             highest.gain, highest.frequency_hz);
+  if (negative) fmt::print("the ticks force a negative tap on a shaper that has none\n");
 }
 
 void write_csv(const std::string& path, const Designed& designed) {

@@ -6,9 +6,13 @@
 #include <sstream>
 #include <vector>
 
+#include "tests/sim/cli_checks.hpp"
 #include "tests/sim/program.hpp"
 #include "tests/support/test.hpp"
 
+using stillpoint::testing::check_keys;
+using stillpoint::testing::check_refused;
+using stillpoint::testing::json_of;
 using stillpoint::testing::Outcome;
 using stillpoint::testing::read_text;
 using stillpoint::testing::run_program;
@@ -19,35 +23,6 @@ namespace {
 
 const std::string kMove = "--distance 1.7 --velocity 1.2 --acceleration 20 --jerk 600 ";
 const std::string kArm = "--shaper zv:11:0.11 --arm 11:0.11 ";
-
-void check_refused(int exit_code, const std::string& error, const std::string& arguments) {
-  TEST_INFO(arguments, arguments);
-  const Outcome outcome = run_program(arguments);
-  TEST_INFO(errors, outcome.errors);
-  TEST_ASSERT_EQUAL_INT32(exit_code, outcome.exit_code);
-  TEST_ASSERT_TRUE(outcome.errors.rfind("stillpoint: error: " + error, 0) == 0);
-  TEST_ASSERT_TRUE(outcome.errors.find('\n') == outcome.errors.size() - 1);
-  if (exit_code == 2) TEST_ASSERT_TRUE(outcome.output.empty());
-}
-
-// Exactly one object, nothing around it.
-Json json_of(const std::string& arguments) {
-  TEST_INFO(arguments, arguments);
-  const Outcome outcome = run_program(arguments + " --json");
-  TEST_INFO(errors, outcome.errors);
-  TEST_ASSERT_EQUAL_INT32(0, outcome.exit_code);
-  TEST_ASSERT_TRUE(outcome.errors.empty());
-  Json object = Json::parse(outcome.output);  // throws on anything after it
-  TEST_ASSERT_TRUE(object.is_object());
-  return object;
-}
-
-void check_keys(const Json& object, const std::vector<std::string>& keys) {
-  for (const std::string& key : keys) {
-    TEST_INFO(key, key);
-    TEST_ASSERT_TRUE(object.contains(key));
-  }
-}
 
 // A CSV file: the header and the numbers below it, the comments checked and left out.
 struct Csv {
