@@ -26,7 +26,7 @@ struct WorstResidual {
 
 // The largest residual that taps on the ticks (times of `taps` in ticks) leave of a mode anywhere in the band. V is the
 // magnitude of an analytic function of the pole, so its largest value lies on the band's outline: either damping along
-// all frequencies, either frequency at kDampings dampings. Sampled 32 times a wave of the shaper's length, tops refined.
+// all frequencies, either frequency at nine dampings. Sampled 32 times a wave of the shaper's length, tops refined.
 // Cost: about 64 (high - low) length + 100 evaluations.
 WorstResidual worst_residual(const Cascade& taps, const ModeBand& band, double tick_s);
 

@@ -3,6 +3,7 @@
 
 #include "shaper/base/math.hpp"
 #include "shaper/shaping/grid_fit.hpp"
+#include "shaper/shaping/nearest_train.hpp"
 #include "shaper/shaping/prototype.hpp"
 #include "shaper/shaping/quantise.hpp"
 #include "shaper/shaping/zv.hpp"
@@ -52,15 +53,16 @@ Status check_frequency(const Prototype& prototype, double frequency_hz, double t
   return kOk;
 }
 
-// On the ticks, without looking at the band yet. False where the ticks cannot hold it.
-bool put_on_ticks(const Prototype& prototype, double damping_ratio, double cycles_a_tick, GridShaper& shaper) {
+// On the ticks, without looking at the band yet.
+Placed put_on_ticks(const Prototype& prototype, double damping_ratio, double cycles_a_tick, GridShaper& shaper) {
   if (prototype.is_cascade || prototype.is_banded) {
-    if (!place(prototype, cycles_a_tick, shaper)) return false;
+    if (!place(prototype, cycles_a_tick, shaper)) return Placed::kCannot;
   } else {
     shaper = GridShaper{};
-    if (!nearest_train_on_grid(prototype.train, damping_ratio, cycles_a_tick, shaper.taps)) return false;
+    const Placed placed = nearest_train(prototype.train, damping_ratio, cycles_a_tick, shaper.taps);
+    if (placed != Placed::kYes) return placed;
   }
-  return within_gains(shaper.taps);
+  return within_gains(shaper.taps) ? Placed::kYes : Placed::kCannot;
 }
 
 // The highest frequency below one that the ticks cannot hold, to a part in a thousand.
@@ -70,7 +72,7 @@ double highest_on_ticks(const Prototype& prototype, double damping_ratio, double
   GridShaper unused;
   for (int i = 0; i < 12; ++i) {
     const double middle = 0.5 * (works + fails);
-    (put_on_ticks(prototype, damping_ratio, middle, unused) ? works : fails) = middle;
+    (put_on_ticks(prototype, damping_ratio, middle, unused) == Placed::kYes ? works : fails) = middle;
   }
   return works;
 }
@@ -98,7 +100,10 @@ Status realise(const ShaperSpec& spec, double tick_s, GridShaper& shaper, Placem
   if (!status.ok()) return status;
   const double zeta = spec.mode.damping_ratio;
   const double cycles = spec.mode.frequency_hz * tick_s;
-  if (!put_on_ticks(prototype, zeta, cycles, shaper)) {
+  const Placed on_ticks = put_on_ticks(prototype, zeta, cycles, shaper);
+  if (on_ticks == Placed::kTooManyTaps)
+    return refuse(Error::kTooManyStages, Quantity::kTaps, 2.0 * prototype.train.impulse_count - 1.0, kMaxTaps);
+  if (on_ticks == Placed::kCannot) {
     const double highest = highest_on_ticks(prototype, zeta, cycles) / tick_s;
     return refuse(Error::kAboveMaximum, Quantity::kFrequency, spec.mode.frequency_hz, highest);
   }

@@ -10,55 +10,6 @@ namespace {
 
 constexpr size_t kMaxTrainTaps = 2 * kMaxZeros - 1;  // of the extra-insensitive, whose zeros are at most four
 
-// exp(lambda (tick - last)) at a mode.
-Complex turned(const Complex& exponent, double tick, double last) {
-  const double angle = exponent.im * tick;
-  return math::exp(exponent.re * (tick - last)) * Complex{math::cos(angle), math::sin(angle)};
-}
-
-// Ticks that a train of split impulses uses, rising, each with its linear share of the amplitudes.
-struct LinearSplit {
-  uint32_t count;
-  Impulse taps[kMaxTaps];
-
-  bool add(uint32_t tick, double share) {
-    for (uint32_t i = 0; i < count; ++i) {
-      if (taps[i].time != static_cast<double>(tick)) continue;
-      taps[i].amplitude += share;
-      return true;
-    }
-    if (count == kMaxTaps) return false;
-    uint32_t at = count++;
-    for (; at > 0 && taps[at - 1].time > static_cast<double>(tick); --at) taps[at] = taps[at - 1];
-    taps[at] = Impulse{static_cast<double>(tick), share};
-    return true;
-  }
-  uint32_t first_free() const {
-    uint32_t tick = 0;
-    while (tick < count && taps[tick].time == static_cast<double>(tick)) ++tick;
-    return tick;
-  }
-};
-
-bool split_linearly(const Cascade& train, double cycles_a_tick, LinearSplit& split) {
-  constexpr double kOnTick = 1e-7;
-  split.count = 0;
-  for (uint32_t i = 0; i < train.impulse_count; ++i) {
-    const Impulse& impulse = train.impulses[i];
-    const double time = impulse.time / cycles_a_tick;
-    const double whole = math::floor(time + kOnTick);
-    const double fraction = time - whole > kOnTick ? time - whole : 0.0;
-    const uint32_t tick = static_cast<uint32_t>(whole);
-    if (!split.add(tick, impulse.amplitude * (1.0 - fraction))) return false;
-    if (fraction > 0.0 && !split.add(tick + 1, impulse.amplitude * fraction)) return false;
-  }
-  // A stage has an odd number of taps, and three of them for the sum and a zero.
-  while (split.count < 3 || split.count % 2 == 0) {
-    if (!split.add(split.first_free(), 0.0)) return false;
-  }
-  return true;
-}
-
 }  // namespace
 
 Cascade cascade_on_grid(const Zero* zeros, uint32_t count, double cycles_a_tick) {
@@ -127,44 +78,6 @@ bool follow_signs(const Cascade& train, SplitTicks& ticks) {
     }
   }
   return moved;
-}
-
-bool nearest_train_on_grid(const Cascade& train, double damping_ratio, double cycles_a_tick, Cascade& out) {
-  LinearSplit split;
-  if (!split_linearly(train, cycles_a_tick, split)) return false;
-  const double last = split.taps[split.count - 1].time;
-  const double end = train.impulses[train.impulse_count - 1].time / cycles_a_tick;
-  const Complex exponent = exponent_of(cycles_a_tick, damping_ratio);
-  Complex wanted = transfer(train.impulses, train.impulse_count, 1.0, damping_ratio).value;
-  if (square_of(wanted) < math::square(kZeroByDesign)) wanted = Complex{};
-  wanted = math::exp(exponent.re * (end - last)) * wanted;
-
-  // change = C^T y with C C^T y = what the linear split misses
-  double row[3][kMaxTaps];
-  double missing[3] = {1.0, wanted.re, wanted.im};
-  for (uint32_t i = 0; i < split.count; ++i) {
-    const Complex q = turned(exponent, split.taps[i].time, last);
-    row[0][i] = 1.0;
-    row[1][i] = q.re;
-    row[2][i] = q.im;
-    for (int k = 0; k < 3; ++k) missing[k] -= row[k][i] * split.taps[i].amplitude;
-  }
-  LinearSystem<3> system;
-  system.clear(3);
-  for (size_t k = 0; k < 3; ++k) {
-    for (size_t m = 0; m < 3; ++m) {
-      for (uint32_t i = 0; i < split.count; ++i) system.row[k][m] += row[k][i] * row[m][i];
-    }
-    system.right(k) = missing[k];
-  }
-  double y[3] = {};
-  if (!system.solve(y)) return false;
-  for (uint32_t i = 0; i < split.count; ++i) {
-    for (int k = 0; k < 3; ++k) split.taps[i].amplitude += row[k][i] * y[k];
-  }
-  out = Cascade{};
-  out.add(split.taps, split.count);
-  return true;
 }
 
 }  // namespace stillpoint

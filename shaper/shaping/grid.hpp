@@ -28,11 +28,4 @@ SplitTicks split_ticks(const Cascade& train, double cycles_a_tick);
 // Moves an impulse by a tick where its gains have opposite signs: the zeros want it elsewhere. True if any moved.
 bool follow_signs(const Cascade& train, SplitTicks& ticks);
 
-// The train split linearly over the ticks on either side of each impulse, then changed as little as possible (least
-// squares over the gains) so that the transfer at the mode is what the impulses have there; none, if they leave less
-// than kZeroByDesign. False where the ticks are too few for that or the taps too many.
-constexpr double kZeroByDesign = 1e-3;
-[[nodiscard]] bool nearest_train_on_grid(const Cascade& train, double damping_ratio, double cycles_a_tick,
-                                         Cascade& out);
-
 }  // namespace stillpoint

@@ -33,16 +33,18 @@ Complex exponent_of(double frequency, double damping_ratio) {
   return {angle * damping_ratio, angle * math::sqrt((1.0 - damping_ratio) * (1.0 + damping_ratio))};
 }
 
+Complex turned(const Complex& exponent, double time, double end) {
+  const double angle = exponent.im * time;
+  return math::exp(exponent.re * (time - end)) * Complex{math::cos(angle), math::sin(angle)};
+}
+
 Transfer transfer(const Impulse* train, uint32_t count, double frequency, double damping_ratio) {
   const Complex unit = exponent_of(1.0, damping_ratio);
   const double end = train[count - 1].time;
   Transfer sum{};
   for (uint32_t i = 0; i < count; ++i) {
     const double before_end = train[i].time - end;
-    // The decay counts from the end, the angle from the beginning: only the magnitude is of interest.
-    const double size = train[i].amplitude * math::exp(unit.re * frequency * before_end);
-    const double angle = unit.im * frequency * train[i].time;
-    const Complex term = size * Complex{math::cos(angle), math::sin(angle)};
+    const Complex term = train[i].amplitude * turned(frequency * unit, train[i].time, end);
     sum.value += term;
     sum.slope += Complex{unit.re * before_end, unit.im * train[i].time} * term;
   }

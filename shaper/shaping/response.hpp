@@ -40,6 +40,10 @@ struct Cascade {
 // lambda = 2 pi f (zeta + j sqrt(1 - zeta^2)): a mode's vibration goes as exp(-conjugate(lambda) t).
 Complex exponent_of(double frequency, double damping_ratio);
 
+// exp(lambda (time - end)) but for a turn that is the same for all: the decay counts from the end, the angle from the
+// beginning.
+Complex turned(const Complex& exponent, double time, double end);
+
 // The transfer sum A_i exp(lambda (t_i - t_n)) of one train, and its derivative after the frequency. |value| is the
 // residual vibration V of Park 2001 (1); no term exceeds its amplitude, whatever damping and length are.
 struct Transfer {

@@ -33,7 +33,7 @@ constexpr uint32_t kShaperKinds = 15;
 
 // The caller's own impulses, times in seconds from 0 on, rising; amplitudes sum to one.
 struct ImpulseTrain {
-  static constexpr uint32_t kMaxImpulses = 31;
+  static constexpr uint32_t kMaxImpulses = 63;  // on whole ticks; 31 where each has to be split over two
   uint32_t count;
   Impulse impulses[kMaxImpulses];
 
