@@ -12,6 +12,7 @@ int main(int argc, char** argv) {
   stillpoint::cli::add_sensitivity(commands, output);
   stillpoint::cli::add_robustness(commands, output);
   stillpoint::cli::add_recommend(commands, output);
+  stillpoint::cli::add_group(commands, output);
   stillpoint::cli::add_shape(commands);
   stillpoint::cli::add_move(commands, output);
   stillpoint::cli::add_hil(commands, output);

@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "tests/firmware/rig.hpp"
-#include "tests/support/hand_made_shapers.hpp"
+#include "tests/support/shapers.hpp"
 #include "tests/support/stream_check.hpp"
 
 using namespace stillpoint;

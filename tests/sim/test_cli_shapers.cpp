@@ -133,3 +133,14 @@ TEST_HOST(recommend_refuses_by_name) {
   REQUIRE(Json::parse(outcome.output).at("result") == "no_shaper");
   REQUIRE(outcome.errors.rfind("stillpoint: error: --band: 3:40: no shaper of the family keeps it", 0) == 0);
 }
+
+TEST_HOST(group_tells_what_staying_in_step_costs) {
+  const Json ways = json_of("group --shaper zv:11:0.11 --shaper zv:17:0.05+ei:40:0")["ways"];
+  TEST_ASSERT_EQUAL_UINT32(3, ways.size());
+  for (const Json& way : ways) check_keys(way, {"way", "delay_s", "length_ticks", "line_signals", "taps_per_tick"});
+  TEST_ASSERT_AT_LEAST_DOUBLE(1e-3, ways[0]["steady_lag_s"].get<double>());
+  TEST_ASSERT_AT_MOST_DOUBLE(1e-9, ways[1]["steady_lag_s"].get<double>());
+  TEST_ASSERT_AT_LEAST_DOUBLE(1e-3, ways[1]["corner_lag_s"].get<double>());
+  TEST_ASSERT_TRUE(ways[2]["worst_lag_s"] == 0.0);
+  check_refused(2, "--shaper: 1 axes: no group", "group --shaper zv:11:0.11");
+}

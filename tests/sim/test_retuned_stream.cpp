@@ -6,7 +6,7 @@
 #include "shaper/base/math.hpp"
 #include "shaper/profile/plan.hpp"
 #include "shaper/profile/track.hpp"
-#include "tests/support/hand_made_shapers.hpp"
+#include "tests/support/shapers.hpp"
 #include "tests/support/stream_check.hpp"
 #include "tests/support/test.hpp"
 

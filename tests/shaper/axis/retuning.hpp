@@ -3,7 +3,7 @@
 #pragma once
 
 #include "shaper/axis/axis.hpp"
-#include "tests/support/hand_made_shapers.hpp"
+#include "tests/support/shapers.hpp"
 #include "tests/support/stream_check.hpp"
 #include "tests/support/test.hpp"
 
