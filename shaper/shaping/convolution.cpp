@@ -10,7 +10,10 @@ namespace stillpoint {
 namespace {
 
 constexpr uint32_t kMaxOffsets = 2;
+// A zero lower than a twentieth of the mode makes a train of ten periods and more, with humps of countless tops.
+constexpr double kLargestOffset = 0.95;
 constexpr int kMostSteps = 40;
+constexpr int kMostTries = 4;
 
 struct Offsets {
   uint32_t humps;
@@ -22,7 +25,7 @@ struct Offsets {
   uint32_t offset_of(uint32_t i) const { return i < zeros() - 1 - i ? i : zeros() - 1 - i; }
   double sign_of(uint32_t i) const { return 2 * i + 1 == zeros() ? 0.0 : 2 * i + 1 < zeros() ? -1.0 : 1.0; }
   double ratio_of(uint32_t i) const { return sign_of(i) == 0.0 ? 1.0 : 1.0 + sign_of(i) * k[offset_of(i)]; }
-  bool in_order() const { return k[0] < 1.0 && (count() < 2 || k[1] < k[0]) && k[count() - 1] > 0.0; }
+  bool in_order() const { return k[0] < kLargestOffset && (count() < 2 || k[1] < k[0]) && k[count() - 1] > 0.0; }
 };
 
 void fill(const Offsets& offsets, double damping_ratio, Prototype& out) {
@@ -105,13 +108,25 @@ double find_along_tolerance(Offsets& offsets, double damping_ratio, double toler
   return reached == math::log(tolerance) ? tolerance : math::exp(reached) * (1.0 - 1e-3);
 }
 
+// Returns `tolerance` where it finds a solution, else a lower one that has.
+double find(Offsets& offsets, double damping_ratio, double tolerance) {
+  offsets = chebyshev_offsets(offsets.humps, tolerance);
+  return solve(offsets, damping_ratio, tolerance) ? tolerance : find_along_tolerance(offsets, damping_ratio, tolerance);
+}
+
 }  // namespace
 
 Status make_convolution(uint32_t humps, double damping_ratio, double tolerance, Prototype& out) {
-  Offsets offsets = chebyshev_offsets(humps, tolerance);
-  if (!solve(offsets, damping_ratio, tolerance)) {
-    const double reached = find_along_tolerance(offsets, damping_ratio, tolerance);
-    if (reached < tolerance) return refuse(Error::kAboveMaximum, Quantity::kTolerance, tolerance, reached);
+  Offsets offsets{humps, {}};
+  double reached = find(offsets, damping_ratio, tolerance);
+  if (reached < tolerance) {
+    // The way up depends on where it goes, and may end early where a hump changes its top: name one that is found.
+    for (int i = 0; i < kMostTries; ++i) {
+      const double tried = reached;
+      reached = find(offsets, damping_ratio, tried);
+      if (reached == tried) break;
+    }
+    return refuse(Error::kAboveMaximum, Quantity::kTolerance, tolerance, reached);
   }
   fill(offsets, damping_ratio, out);
   return kOk;

@@ -42,15 +42,19 @@ double longest_part(const Prototype& prototype) {
   return longest;
 }
 
-Status check_frequency(const Prototype& prototype, double frequency_hz, double tick_s) {
+Status check_frequency(const Prototype& prototype, const ShaperSpec& spec, double tick_s) {
+  const double frequency_hz = spec.mode.frequency_hz;
   constexpr double kSlack = 1e-11;  // so that what is named is accepted, in twelve digits too
   const double highest = kHighestCyclesATick / (tick_s * highest_ratio(prototype));
   if (frequency_hz > highest * (1.0 + kSlack))
     return refuse(Error::kAboveMaximum, Quantity::kFrequency, frequency_hz, highest);
   const double lowest = longest_part(prototype) / (tick_s * (kMaxStageTicks - 3.0));
-  if (frequency_hz < lowest * (1.0 - kSlack))
-    return refuse(Error::kBelowMinimum, Quantity::kFrequency, frequency_hz, lowest);
-  return kOk;
+  if (frequency_hz >= lowest * (1.0 - kSlack)) return kOk;
+  // The times of a custom train are the caller's, whatever the mode.
+  if (spec.kind == ShaperKind::kCustom)
+    return refuse(Error::kAboveMaximum, Quantity::kImpulseTime, longest_part(prototype) / frequency_hz,
+                  tick_s * (kMaxStageTicks - 3.0));
+  return refuse(Error::kBelowMinimum, Quantity::kFrequency, frequency_hz, lowest);
 }
 
 // On the ticks, without looking at the band yet.
@@ -96,7 +100,7 @@ Status check_tick(double tick_s) {
 Status realise(const ShaperSpec& spec, double tick_s, GridShaper& shaper, PlacementReport& report) {
   Prototype prototype;
   Status status = make_prototype(spec, prototype);
-  if (status.ok()) status = check_frequency(prototype, spec.mode.frequency_hz, tick_s);
+  if (status.ok()) status = check_frequency(prototype, spec, tick_s);
   if (!status.ok()) return status;
   const double zeta = spec.mode.damping_ratio;
   const double cycles = spec.mode.frequency_hz * tick_s;
@@ -104,13 +108,19 @@ Status realise(const ShaperSpec& spec, double tick_s, GridShaper& shaper, Placem
   if (on_ticks == Placed::kTooManyTaps)
     return refuse(Error::kTooManyStages, Quantity::kTaps, 2.0 * prototype.train.impulse_count - 1.0, kMaxTaps);
   if (on_ticks == Placed::kCannot) {
+    if (spec.kind == ShaperKind::kCustom)
+      return refuse(Error::kNotAvailable, Quantity::kImpulseTime, longest_part(prototype) / spec.mode.frequency_hz);
     const double highest = highest_on_ticks(prototype, zeta, cycles) / tick_s;
     return refuse(Error::kAboveMaximum, Quantity::kFrequency, spec.mode.frequency_hz, highest);
   }
   if (prototype.zero_count > 1) {
     const GridShaper placed = shaper;
-    report.band_miss = fit_band(band_targets(prototype, zeta, spec.tolerance, cycles), zeta, cycles, shaper);
-    if (!within_gains(shaper.taps)) shaper = placed;
+    const BandTargets targets = band_targets(prototype, zeta, spec.tolerance, cycles);
+    report.band_miss = fit_band(targets, zeta, cycles, shaper);
+    if (!within_gains(shaper.taps)) {
+      shaper = placed;
+      report.band_miss = band_miss(targets, zeta, cycles, shaper);
+    }
   }
   report.has_negative_tap = shaper.taps.has_negative() && !prototype.train.has_negative();
   return kOk;
@@ -159,12 +169,15 @@ Cascade ShaperDesign::cascade() const {
 }
 
 Status add_shaper(const ShaperSpec& spec, double tick_s, ShaperDesign& design, PlacementReport* report) {
-  if (spec.kind == ShaperKind::kNone) return kOk;
+  PlacementReport placed{0.0, false};
+  if (spec.kind == ShaperKind::kNone) {
+    if (report != nullptr) *report = placed;
+    return kOk;
+  }
   Status status = spec.validate();
   if (status.ok()) status = check_tick(tick_s);
   if (!status.ok()) return status;
   GridShaper shaper;
-  PlacementReport placed{0.0, false};
   status = realise(spec.with_defaults(), tick_s, shaper, placed);
   if (status.ok()) status = check_room(shaper, design);
   if (!status.ok()) return status;

@@ -232,6 +232,10 @@ bool place(const Prototype& prototype, double cycles_a_tick, GridShaper& out) {
   return settle(cycles_a_tick, out, moved);
 }
 
+double band_miss(const BandTargets& targets, double damping_ratio, double cycles_a_tick, GridShaper& shaper) {
+  return Fit(targets, damping_ratio, cycles_a_tick, shaper).measure() / kAskedFor;
+}
+
 double fit_band(const BandTargets& targets, double damping_ratio, double cycles_a_tick, GridShaper& shaper) {
   Fit fit(targets, damping_ratio, cycles_a_tick, shaper);
   double miss = fit.measure();

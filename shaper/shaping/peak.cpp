@@ -6,6 +6,8 @@ namespace stillpoint {
 namespace {
 
 constexpr int kSamples = 11;
+constexpr int kSamplesOfWide = 60;
+constexpr double kWide = 1.6;  // times `low`: only there may three times the lowest zero fall below `high`
 constexpr int kMostSteps = 25;
 
 // A point of the hump at the fraction x of its width: ln V, and its slope times both distances.
@@ -54,8 +56,9 @@ Peak peak_between(const Cascade& cascade, double damping_ratio, double low, doub
   Point left = before;
   Point right{1.0, -1e9, -1.0};
   bool falls_next = false;
-  for (int i = 1; i <= kSamples; ++i) {
-    const Point here = hump.at(static_cast<double>(i) / (kSamples + 1));
+  const int samples = high > kWide * low ? kSamplesOfWide : kSamples;
+  for (int i = 1; i <= samples; ++i) {
+    const Point here = hump.at(static_cast<double>(i) / (samples + 1));
     if (falls_next) right = here;
     falls_next = false;
     if (here.value > best.value) {

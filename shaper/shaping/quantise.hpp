@@ -14,13 +14,13 @@ constexpr int32_t quantised(double gain) { return static_cast<int32_t>(math::flo
 constexpr void append_stage(const Impulse* taps, uint32_t count, ShaperDesign& design) {
   const uint32_t first = design.tap_count;
   design.stages[design.stage_count++] = Stage{first, count};
-  int32_t rest = kUnityGain;
+  int64_t rest = kUnityGain;  // on the way as low or as high as the gains' sum
   for (uint32_t i = 0; i < count; ++i) {
     const int32_t gain = quantised(taps[i].amplitude);
     if (i > 0) rest -= gain;
     design.taps[design.tap_count++] = Tap{static_cast<uint32_t>(taps[i].time), gain};
   }
-  design.taps[first].gain = rest;
+  design.taps[first].gain = static_cast<int32_t>(rest);
 }
 
 // The stages of a cascade on the ticks. The caller has made sure of room.

@@ -14,12 +14,15 @@ Status check_range(double value, double low, double high, Quantity quantity) {
   return kOk;
 }
 
+double next_above(double x) { return math::from_bits(math::bits_of(x) + 1); }  // x >= 0
+
 }  // namespace
 
 Status ImpulseTrain::validate() const {
   if (count < 1) return refuse(Error::kBelowMinimum, Quantity::kImpulses, count, 1);
   if (count > kMaxImpulses) return refuse(Error::kAboveMaximum, Quantity::kImpulses, count, kMaxImpulses);
   constexpr double kSumTolerance = 1e-3;
+  constexpr double kLargest = 1.9;
   constexpr double kLargestSize = 3.5;
   double sum = 0.0;
   double size = 0.0;
@@ -28,9 +31,13 @@ Status ImpulseTrain::validate() const {
     if (!math::is_finite(impulse.time)) return refuse(Error::kNotFinite, Quantity::kImpulseTime, impulse.time);
     if (!math::is_finite(impulse.amplitude))
       return refuse(Error::kNotFinite, Quantity::kImpulseAmplitude, impulse.amplitude);
-    if (i == 0 && impulse.time != 0.0) return refuse(Error::kAboveMaximum, Quantity::kImpulseTime, impulse.time, 0.0);
-    if (i > 0 && impulse.time <= impulses[i - 1].time)
-      return refuse(Error::kBelowMinimum, Quantity::kImpulseTime, impulse.time, impulses[i - 1].time);
+    const double before = i > 0 ? impulses[i - 1].time : 0.0;
+    if (i == 0 && impulse.time > 0.0) return refuse(Error::kAboveMaximum, Quantity::kImpulseTime, impulse.time, 0.0);
+    if (i == 0 && impulse.time < 0.0) return refuse(Error::kBelowMinimum, Quantity::kImpulseTime, impulse.time, 0.0);
+    if (i > 0 && impulse.time <= before)
+      return refuse(Error::kBelowMinimum, Quantity::kImpulseTime, impulse.time, next_above(before));
+    if (math::abs(impulse.amplitude) > kLargest)
+      return refuse(Error::kAboveMaximum, Quantity::kImpulseAmplitude, impulse.amplitude, kLargest);
     sum += impulse.amplitude;
     size += math::abs(impulse.amplitude);
   }
@@ -51,7 +58,7 @@ Status ShaperSpec::validate() const {
   if (static_cast<uint32_t>(kind) >= kShaperKinds)
     return refuse(Error::kAboveMaximum, Quantity::kKind, static_cast<double>(kind), kShaperKinds - 1);
   const ShaperSpec given = with_defaults();
-  Status status = mode.validate();
+  Status status = Mode{mode.frequency_hz, 0.0}.validate();
   if (status.ok()) status = check_range(mode.damping_ratio, 0.0, kMaxDampingRatio, Quantity::kDampingRatio);
   if (status.ok()) status = check_range(given.tolerance, kMinTolerance, kMaxTolerance, Quantity::kTolerance);
   if (status.ok()) status = check_range(given.spacing, kMinSpacing, kMaxSpacing, Quantity::kSpacing);

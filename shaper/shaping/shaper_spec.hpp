@@ -38,8 +38,8 @@ struct ImpulseTrain {
   Impulse impulses[kMaxImpulses];
 
   // Refuses, naming impulse times or amplitudes: fewer than one or more than kMaxImpulses, anything not finite, a first
-  // time that is not 0, times that do not rise, amplitudes whose sum is not one to 1e-3 or whose magnitudes sum to more
-  // than 3.5 (what a stage can take).
+  // time that is not 0, times that do not rise, an amplitude beyond 1.9 either way, amplitudes whose sum is not one to
+  // 1e-3 or whose magnitudes sum to more than 3.5 (what a stage can take, and a little for the ticks).
   Status validate() const;
 };
 
