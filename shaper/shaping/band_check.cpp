@@ -22,10 +22,10 @@ class Outline {
     constexpr double kSamplesAWave = 32.0;
     constexpr double kFewest = 16.0;
     const double waves = (high_hz - low_hz) * tick_s_ * taps_.length();
-    const double steps = math::ceil(kSamplesAWave * waves) + kFewest;
+    const uint32_t steps = static_cast<uint32_t>(math::ceil(kSamplesAWave * waves) + kFewest);
     const double step = (high_hz - low_hz) / steps;
     double rises = -1.0;
-    for (double i = 0.0; i <= steps; i += 1.0) {
+    for (uint32_t i = 0; i <= steps; ++i) {
       const double frequency = low_hz + i * step;
       const LogResidual here = log_residual(taps_, frequency * tick_s_, damping_ratio);
       take(frequency, damping_ratio, here.value);
