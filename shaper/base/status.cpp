@@ -40,6 +40,18 @@ const char* text(Quantity quantity) {
     case Quantity::kImpulses: return "number of impulses";
     case Quantity::kImpulseTime: return "impulse time";
     case Quantity::kImpulseAmplitude: return "impulse amplitudes";
+    case Quantity::kMotorSpeed: return "motor speed";
+    case Quantity::kGearRatio: return "gear ratio";
+    case Quantity::kPitch: return "pitch";
+    case Quantity::kEncoder: return "encoder";
+    case Quantity::kMotorConstant: return "motor constant";
+    case Quantity::kCurrent: return "current";
+    case Quantity::kEfficiency: return "efficiency";
+    case Quantity::kFriction: return "friction force";
+    case Quantity::kMass: return "mass";
+    case Quantity::kBandwidth: return "bandwidth or rate";
+    case Quantity::kElectrical: return "electrical constant";
+    case Quantity::kFollowingError: return "following error";
     case Quantity::kTaps: return "taps";
     case Quantity::kImpulseSum: return "sum of impulse amplitudes";
   }

@@ -41,6 +41,18 @@ enum class Quantity : uint8_t {
   kImpulseAmplitude,
   kImpulseSum,
   kTaps,
+  kMotorSpeed,
+  kGearRatio,
+  kPitch,
+  kEncoder,
+  kMotorConstant,
+  kCurrent,
+  kEfficiency,
+  kFriction,
+  kMass,
+  kBandwidth,
+  kElectrical,
+  kFollowingError,
 };
 
 // The answer of everything that can refuse. A refusal leaves the state before it in force.

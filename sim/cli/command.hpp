@@ -54,6 +54,7 @@ int exit_code_of(bool within_limits);
 
 // One a file.
 void add_design(Commands& commands, Output& output);
+void add_hardware_limits(Commands& commands, Output& output);
 void add_profile(Commands& commands, Output& output);
 void add_sensitivity(Commands& commands, Output& output);
 void add_robustness(Commands& commands, Output& output);

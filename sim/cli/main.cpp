@@ -8,6 +8,7 @@ int main(int argc, char** argv) {
   stillpoint::cli::Commands commands(app);
   stillpoint::cli::Output output;
   stillpoint::cli::add_design(commands, output);
+  stillpoint::cli::add_hardware_limits(commands, output);
   stillpoint::cli::add_profile(commands, output);
   stillpoint::cli::add_sensitivity(commands, output);
   stillpoint::cli::add_robustness(commands, output);

@@ -59,9 +59,11 @@ void add_tick(CLI::App& app, TickOption& option) {
 double tick_of(const TickOption& option) { return parse_positive(option.tick, "--tick"); }
 
 void add_shaper(CLI::App& app, ShaperOption& option) {
-  add_values(app, "--shaper", option.specs, "SPEC",
-             "TYPE:FREQUENCY:DAMPING[:v=TOLERANCE], frequency in Hz (natural), damping ratio; types: zv zvd none; "
-             "several modes: joined by +, or the option repeated");
+  add_values(
+      app, "--shaper", option.specs, "SPEC",
+      "TYPE:FREQUENCY:DAMPING[:key=value[,key=value]], frequency in Hz (natural), damping ratio; types: zv zvd zvdd "
+      "zvddd mzv ei ei2 ei3 cv1 cv2 cv3 cv4 um-zv custom none; keys: v=TOLERANCE (humps, 0.05), spacing=PERIODS "
+      "(mzv, 0.375), file=CSV (custom); several modes: joined by +, or the option repeated");
 }
 
 std::vector<sim::SpecifiedShaper> specs_of(const ShaperOption& option) {
