@@ -18,5 +18,6 @@ int main(int argc, char** argv) {
   stillpoint::cli::add_move(commands, output);
   stillpoint::cli::add_hil(commands, output);
   stillpoint::cli::add_demo(commands, output);
+  stillpoint::cli::add_park(commands, output);
   return commands.main(argc, argv, output);
 }
