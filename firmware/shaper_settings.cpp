@@ -108,7 +108,7 @@ void ShaperSettings::finish() {
 }
 
 void ShaperSettings::show_in_force() {
-  const ShaperDesign& active = axis_->shaper();
+  const ShaperDesign active = axis_->shaper();
   const ShaperState state = active.stage_count == 0 ? ShaperState::kOff : ShaperState::kActive;
   const double delay_us = active.delay_ticks() * axis_->config().tick_s * kUsPerSecond;
   parameters_->set(Register::kShaperState, static_cast<uint32_t>(state));
@@ -141,14 +141,14 @@ void ShaperSettings::refuse_design(const Status& status, uint32_t mode) {
   parameters_->note_refusal(reason, address_of(culprit), accepted);
 }
 
-// The axis counts signals of its line; a client knows frequencies. Only a single mode can be told which one would fit.
+// The axis counts memory; a client knows frequencies. Only a single mode can be told which one would fit.
 void ShaperSettings::refuse_length(const Status& status) {
   Register culprit = Register::kModeCount;
   uint32_t accepted = 0;
   if (wanted_registers_.count == 1 && status.error == Error::kLineTooShort && status.accepted >= 1.0) {
     const auto& fields = wanted_registers_.fields[0];
-    const double lowest =
-        lowest_frequency_hz(spec_of(fields), axis_->config().tick_s, static_cast<size_t>(status.accepted));
+    const size_t line = Shaper::line_room(wanted_, static_cast<size_t>(status.accepted));
+    const double lowest = lowest_frequency_hz(spec_of(fields), axis_->config().tick_s, line);
     culprit = mode_register(0, ModeField::kFrequency);
     accepted = register_ceiling(lowest * kFrequencyPerHz);
   }
