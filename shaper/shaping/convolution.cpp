@@ -74,10 +74,11 @@ bool step(Offsets& offsets, double damping_ratio, double log_tolerance, double& 
   return false;
 }
 
-bool solve(Offsets& offsets, double damping_ratio, double tolerance) {
+bool solve(Offsets& offsets, double damping_ratio, double tolerance, Meanwhile meanwhile) {
   constexpr double kClose = 1e-11;
   const double log_tolerance = math::log(tolerance);
   for (int i = 0; i < kMostSteps; ++i) {
+    meanwhile();
     double miss = 0.0;
     if (!step(offsets, damping_ratio, log_tolerance, miss)) return false;
     if (miss < kClose) return true;
@@ -99,22 +100,22 @@ Offsets chebyshev_offsets(uint32_t humps, double tolerance) {
 }
 
 // From the least tolerance, where the start is good, up to this one. Returns the last that has a solution.
-double find_along_tolerance(Offsets& offsets, double damping_ratio, double tolerance) {
+double find_along_tolerance(Offsets& offsets, double damping_ratio, double tolerance, Meanwhile meanwhile) {
   offsets = chebyshev_offsets(offsets.humps, kMinTolerance);
-  if (!solve(offsets, damping_ratio, kMinTolerance)) return 0.0;
+  if (!solve(offsets, damping_ratio, kMinTolerance, meanwhile)) return 0.0;
   const double reached = follow(offsets, math::log(kMinTolerance), math::log(tolerance), 0.5, 0.001,
-                                [damping_ratio](Offsets& trial, double log_tolerance) {
-                                  return solve(trial, damping_ratio, math::exp(log_tolerance));
+                                [damping_ratio, meanwhile](Offsets& trial, double log_tolerance) {
+                                  return solve(trial, damping_ratio, math::exp(log_tolerance), meanwhile);
                                 });
   return reached == math::log(tolerance) ? tolerance : math::exp(reached) * (1.0 - 1e-3);
 }
 
 }  // namespace
 
-Status make_convolution(uint32_t humps, double damping_ratio, double tolerance, Prototype& out) {
+Status make_convolution(uint32_t humps, double damping_ratio, double tolerance, Prototype& out, Meanwhile meanwhile) {
   Offsets offsets = chebyshev_offsets(humps, tolerance);
-  if (!solve(offsets, damping_ratio, tolerance)) {
-    const double reached = find_along_tolerance(offsets, damping_ratio, tolerance);
+  if (!solve(offsets, damping_ratio, tolerance, meanwhile)) {
+    const double reached = find_along_tolerance(offsets, damping_ratio, tolerance, meanwhile);
     if (reached < tolerance) return refuse(Error::kAboveMaximum, Quantity::kTolerance, tolerance, reached);
   }
   fill(offsets, damping_ratio, out);

@@ -45,7 +45,7 @@ void shaper_tick(benchmark::State& state) {
 }
 
 // One a scenario, by its name.
-[[maybe_unused]] const bool registered = [] {
+[[maybe_unused]] const bool kRegistered = [] {
   for (const Scenario& scenario : kScenarios) {
     benchmark::RegisterBenchmark((std::string("axis_tick/") + scenario.name).c_str(), axis_tick, scenario);
   }
