@@ -60,6 +60,9 @@ class ShaperSets {
 
   bool stored(uint32_t index) const { return index < kSets && stored_[index]; }
 
+  // Of a number that there is; without stages if nothing was stored.
+  const ShaperDesign& design(uint32_t index) const { return designs_[index]; }
+
  private:
   static Status check(uint32_t index) {
     if (index >= kSets) return refuse(Error::kAboveMaximum, Quantity::kNone, index, kSets - 1);
