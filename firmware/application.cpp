@@ -9,7 +9,7 @@ void Application::begin(AxisCore& axis, const Ports& ports) {
   parameters_.adopt(axis.config());
   loop_.begin(axis, *ports.servo);
   drive_.begin(axis, loop_, parameters_);
-  shaper_.begin(axis, parameters_);
+  shaper_.begin(axis, parameters_, Meanwhile{serve_meanwhile, this});
   registers_.begin({&axis, &loop_, &drive_, &shaper_, &parameters_});
   client_.begin(*ports.client, kDefaultUnit);
 }
@@ -28,6 +28,14 @@ void Application::own_timer_tick() {
 }
 
 void Application::poll() {
+  serve();
+  // Designs and plans take long; an answer with a hole in it would be two broken frames.
+  if (client_.sending()) return;
+  shaper_.service();
+  drive_.take_set_point(shaper_.waiting());
+}
+
+void Application::serve() {
   const uint32_t now = load(silence_clock_);
   feed_watchdog(now);
   registers_.set_uptime(load(uptime_ms_));
@@ -35,13 +43,17 @@ void Application::poll() {
   if (client_.poll(now)) {
     client_.reply(modbus::execute(registers_, client_.request(), client_.request_length(), client_.response()));
   }
-  // Designs and plans take long; an answer with a hole in it would be two broken frames.
-  if (client_.sending()) return;
-  shaper_.service();
-  drive_.take_set_point(shaper_.waiting());
 }
 
-// Alive are this loop and one of the two interrupts: the clock stands when neither comes.
+void Application::serve_meanwhile(void* application) {
+  auto& self = *static_cast<Application*>(application);
+  do {
+    self.serve();
+  } while (self.client_.sending());
+}
+
+// Alive are this loop, or a design that comes nearer to its end, and one of the two interrupts: the clock stands when
+// neither comes.
 void Application::feed_watchdog(uint32_t now) {
   if (now == fed_at_) return;
   fed_at_ = now;

@@ -43,7 +43,8 @@ class Application {
   // Interrupt context, same priority as `tick`: once a millisecond of the chip's own timer, whether or not ticks come.
   void own_timer_tick();
 
-  // Background: for ever, as often as possible. Bounded, except while it plans (see AxisCore::command).
+  // Background: for ever, as often as possible. Bounded; long while it plans (see AxisCore::command) and while it
+  // designs (see add_shaper), but meanwhile the client is answered, the drive's state kept and the watchdog fed.
   void poll();
 
   // Background, for a target's own displays and for tests.
@@ -53,6 +54,9 @@ class Application {
  private:
   static void advance(uint32_t& word) { store(word, word + 1); }
 
+  // All of `poll` that is short; also while a design runs.
+  void serve();
+  static void serve_meanwhile(void* application);
   void feed_watchdog(uint32_t now);
 
   Ports ports_ = {};

@@ -13,7 +13,7 @@ namespace stillpoint::firmware {
 // with 100 unit/s^2: 0.1 s from full speed.
 inline constexpr AxisConfig kDefaultAxis{0.001, {1e7, 1e9, 1e9, 1e12}, 1e8, 1e11};
 
-// Signals of delay line. A ZVD of 0.5 Hz, the lowest frequency promised, takes 2004; times 16 bytes: 32 KB.
+// LineSamples a shaper. A ZVD of 0.5 Hz, the lowest frequency promised, takes 2012; times 16 bytes: 32 KB.
 inline constexpr size_t kLineCapacity = 2048;
 
 }  // namespace stillpoint::firmware

@@ -19,7 +19,15 @@ enum class Access : uint8_t { kRead, kReadWrite, kWrite };
 enum class Lock : uint8_t { kOpen, kNeedsKey };
 
 // What else happens when a value is written; nothing for most.
-enum class Effect : uint8_t { kNone, kControlword, kCommandKey, kApplyShaper, kAxisLimits, kPositionWindow };
+enum class Effect : uint8_t {
+  kNone,
+  kControlword,
+  kCommandKey,
+  kApplyShaper,
+  kAxisLimits,
+  kPositionWindow,
+  kShaperSet
+};
 
 struct Parameter {
   Register name;
@@ -42,7 +50,7 @@ struct Parameter {
   constexpr bool writable() const { return access != Access::kRead; }
 };
 
-constexpr size_t kParameterCount = 80;
+constexpr size_t kParameterCount = 81;
 constexpr size_t kNoParameter = kParameterCount;
 
 // Sorted by address.

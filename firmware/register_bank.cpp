@@ -158,6 +158,11 @@ Status RegisterBank::configure_axis(const Request& request) {
 }
 
 void RegisterBank::commit(const Request& request) {
+  // The set first, so that modes written with it go to the set that they name.
+  request.each([&](const Parameter& parameter, size_t) {
+    if (parameter.effect == Effect::kShaperSet) parts_.shaper->show_set(request.value_of(parameter));
+    return true;
+  });
   request.each([&](const Parameter& parameter, size_t index) {
     const uint32_t value = request.value_of(parameter);
     if (parameter.readable()) parts_.parameters->set_value(index, value);
@@ -183,6 +188,7 @@ void RegisterBank::set_off(const Parameter& parameter, uint32_t value) {
       parts_.parameters->set(Register::kCommandResult, static_cast<uint32_t>(CommandResult::kDone));
       break;
     case Effect::kAxisLimits:  // done by the check, which is the axis's own
+    case Effect::kShaperSet:   // done before the others
     case Effect::kNone: break;
   }
 }

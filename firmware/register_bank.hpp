@@ -17,7 +17,8 @@ constexpr uint32_t kUnlockedMs = 60000;
 // Background. Zero-initialised storage is valid.
 //
 // A write checks, in this order, each over the whole request before the next: every address (02), every value (03),
-// every lock and state (06). Then all of it is committed, in order of address. A 32-bit value is written whole or not
+// every lock and state (06). Then all of it is committed, in order of address, but for
+// the shaper set (0101), which goes first. A 32-bit value is written whole or not
 // at all. 06 leaves its reason in 0012 and the register in 0013; a value out of range leaves the nearest accepted one
 // in 0016.
 class RegisterBank {

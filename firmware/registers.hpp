@@ -58,6 +58,7 @@ enum class Register : uint16_t {
   kShaperState = 0x0131,
   kShaperRefusal = 0x0132,
   kActiveDelayUs = 0x0134,
+  kPredictedResidual = 0x0136,
   kZeroDelay = 0x0137,
   kMoveDurationMs = 0x0138,
   kMoveProfileTicks = 0x013A,
@@ -71,6 +72,7 @@ constexpr uint16_t address_of(Register name) { return static_cast<uint16_t>(name
 
 // The vibration modes that a client stages, from kFirstMode on, kModeStride registers each.
 constexpr uint32_t kMaxModes = 4;
+constexpr uint32_t kShaperSets = 8;
 constexpr uint32_t kModeStride = 8;
 
 enum class ModeField : uint16_t {

@@ -14,6 +14,7 @@ constexpr double kFrequencyPerHz = 1e4;
 constexpr double kDampingPerOne = 1e5;
 constexpr double kTolerancePerOne = 1e4;
 constexpr double kSpacingPerPeriod = 1e4;
+constexpr double kResidualPerOne = 1e4;
 constexpr double kUsPerSecond = 1e6;
 
 // Register values are ShaperKind's. A train of the client's own has no registers to come through.
@@ -23,45 +24,46 @@ ShaperSpec spec_of(const uint32_t (&fields)[5]) {
           fields[kSpacing] / kSpacingPerPeriod, nullptr};
 }
 
-bool same(const ShaperDesign& a, const ShaperDesign& b) {
-  if (a.stage_count != b.stage_count || a.tap_count != b.tap_count) return false;
-  for (uint32_t i = 0; i < a.stage_count; ++i) {
-    if (a.stages[i].first_tap != b.stages[i].first_tap || a.stages[i].tap_count != b.stages[i].tap_count) return false;
-  }
-  for (uint32_t i = 0; i < a.tap_count; ++i) {
-    if (a.taps[i].delay_ticks != b.taps[i].delay_ticks || a.taps[i].gain != b.taps[i].gain) return false;
-  }
-  return true;
-}
-
 }  // namespace
 
-void ShaperSettings::begin(AxisCore& axis, Parameters& parameters) {
+void ShaperSettings::begin(AxisCore& axis, Parameters& parameters, Meanwhile meanwhile) {
   axis_ = &axis;
   parameters_ = &parameters;
-  wanted_ = axis.shaper();
+  meanwhile_ = meanwhile;
   show_in_force();
 }
 
+void ShaperSettings::show_set(uint32_t set) {
+  if (set == shown_) return;
+  sets_[shown_].staged = read_staged();
+  write_staged(sets_[set].staged);
+  shown_ = set;
+}
+
 void ShaperSettings::request_apply(Retune when) {
+  designing_ = false;
   apply_requested_ = true;
-  when_ = when;
+  requested_set_ = shown_;
+  requested_ = read_staged();
+  requested_when_ = when;
   parameters_->set(Register::kShaperState, static_cast<uint32_t>(ShaperState::kPending));
   parameters_->set(Register::kShaperRefusal, 0);
 }
 
 void ShaperSettings::discard() {
   apply_requested_ = false;
+  designing_ = false;
   if (!axis_->pending()) waiting_ = false;
-  write_staged(in_force_);
+  write_staged(sets_[shown_].in_force);
   if (!waiting_) show_in_force();
 }
 
 void ShaperSettings::service() {
   if (apply_requested_) start_apply();
+  if (apply_requested_) return;  // overtaken in its design
   axis_->service();
   if (!waiting_ || axis_->pending()) return;
-  if (same(axis_->shaper(), wanted_)) {
+  if (prepared_.in_force(*axis_) == wanted_set_) {
     finish();
   } else {
     hand_over();
@@ -69,33 +71,37 @@ void ShaperSettings::service() {
 }
 
 void ShaperSettings::start_apply() {
+  const uint32_t set = requested_set_;
+  const Staged staged = requested_;
+  const Retune when = requested_when_;
   apply_requested_ = false;
-  const Staged staged = read_staged();
-  ShaperDesign designed = {};
-  uint32_t failed_mode = 0;
-  const Status status = design(staged, designed, failed_mode);
-  if (!status.ok()) {
-    refuse_design(status, failed_mode);
-    return;
-  }
-  wanted_ = designed;
-  wanted_registers_ = staged;
+  designing_ = true;
+  const bool ready = prepare(set, staged);
+  if (!ready || !designing_) return;
+  designing_ = false;
+  wanted_set_ = set;
+  when_ = when;
   waiting_ = true;
 }
 
-Status ShaperSettings::design(const Staged& staged, ShaperDesign& out, uint32_t& failed_mode) const {
+// False where it is refused or, `designing_` being false, given up.
+bool ShaperSettings::prepare(uint32_t set, const Staged& staged) {
+  if (prepared_.stored(set) && same(sets_[set].designed, staged)) return true;
+  ShaperDesign design = {};
   for (uint32_t k = 0; k < staged.count; ++k) {
-    const Status status = add_shaper(spec_of(staged.fields[k]), axis_->config().tick_s, out);
-    if (!status.ok()) {
-      failed_mode = k;
-      return status;
-    }
+    const Status status = add_shaper(spec_of(staged.fields[k]), axis_->config().tick_s, design, nullptr, meanwhile_);
+    if (!designing_) return false;
+    if (status.ok()) continue;
+    designing_ = false;
+    refuse_design(status, k);
+    return false;
   }
-  return kOk;
+  sets_[set].designed = staged;
+  return prepared_.store(set, design).ok();
 }
 
 void ShaperSettings::hand_over() {
-  const Status status = axis_->set_shaper(wanted_, when_);
+  const Status status = prepared_.select(wanted_set_, *axis_, when_);
   if (status.ok() || status.error == Error::kBusy) return;  // busy: asked again later
   waiting_ = false;
   refuse_length(status);
@@ -103,59 +109,86 @@ void ShaperSettings::hand_over() {
 
 void ShaperSettings::finish() {
   waiting_ = false;
-  in_force_ = wanted_registers_;
+  set_in_force_ = wanted_set_;
+  sets_[wanted_set_].in_force = sets_[wanted_set_].designed;
   show_in_force();
 }
 
 void ShaperSettings::show_in_force() {
-  const ShaperDesign& active = axis_->shaper();
+  const ShaperDesign active = axis_->shaper();
   const ShaperState state = active.stage_count == 0 ? ShaperState::kOff : ShaperState::kActive;
   const double delay_us = active.delay_ticks() * axis_->config().tick_s * kUsPerSecond;
+  const uint32_t residual = register_floor(worst_residual(active) * kResidualPerOne + 0.5);
   parameters_->set(Register::kShaperState, static_cast<uint32_t>(state));
   parameters_->set(Register::kShaperRefusal, 0);
   parameters_->set(Register::kActiveDelayUs, register_floor(delay_us + 0.5));
+  parameters_->set(Register::kPredictedResidual, residual < UINT16_MAX ? residual : UINT16_MAX);
+}
+
+double ShaperSettings::worst_residual(const ShaperDesign& active) const {
+  const Staged& modes = sets_[set_in_force_].in_force;
+  const Cascade cascade = active.cascade();
+  double worst = 0.0;
+  for (uint32_t k = 0; k < modes.count; ++k) {
+    const ShaperSpec spec = spec_of(modes.fields[k]);
+    if (spec.kind == ShaperKind::kNone) continue;
+    const double left = residual(cascade, spec.mode.frequency_hz * axis_->config().tick_s, spec.mode.damping_ratio);
+    if (left > worst) worst = left;
+  }
+  return worst;
 }
 
 void ShaperSettings::refuse_design(const Status& status, uint32_t mode) {
   Register culprit = Register::kModeCount;
   uint32_t accepted = 0;
+  const auto name = [&](ModeField field, double per_unit) {
+    const double nearest = status.accepted * per_unit;
+    culprit = mode_register(mode, field);
+    accepted = status.error == Error::kBelowMinimum ? register_ceiling(nearest) : register_floor(nearest);
+  };
   if (status.quantity == Quantity::kFrequency) {
-    culprit = mode_register(mode, ModeField::kFrequency);
-    const double frequency = status.accepted * kFrequencyPerHz;
-    accepted = status.error == Error::kAboveMaximum ? register_floor(frequency) : register_ceiling(frequency);
+    name(ModeField::kFrequency, kFrequencyPerHz);
   } else if (status.quantity == Quantity::kDampingRatio) {
-    culprit = mode_register(mode, ModeField::kDamping);
-    accepted = register_floor(status.accepted * kDampingPerOne);
+    name(ModeField::kDamping, kDampingPerOne);
   } else if (status.quantity == Quantity::kTolerance) {
-    culprit = mode_register(mode, ModeField::kTolerance);
-    accepted = register_floor(status.accepted * kTolerancePerOne);
+    name(ModeField::kTolerance, kTolerancePerOne);
   } else if (status.quantity == Quantity::kSpacing) {
-    culprit = mode_register(mode, ModeField::kSpacing);
-    accepted = register_floor(status.accepted * kSpacingPerPeriod);
+    name(ModeField::kSpacing, kSpacingPerPeriod);
   } else if (status.quantity == Quantity::kStages || status.quantity == Quantity::kTaps) {
     accepted = mode;  // as many modes as went in
   }
-  const uint16_t reason = reason_of(status.error, status.quantity);
+  refuse(reason_of(status.error, status.quantity), culprit, accepted);
+}
+
+// The axis counts memory; a client knows frequencies. Only a single mode can be told which one would fit.
+void ShaperSettings::refuse_length(const Status& status) {
+  Register culprit = Register::kModeCount;
+  uint32_t accepted = 0;
+  const Staged& wanted = sets_[wanted_set_].designed;
+  if (wanted.count == 1 && status.error == Error::kLineTooShort && status.accepted >= 1.0) {
+    const auto& fields = wanted.fields[0];
+    const size_t line = Shaper::line_room(prepared_.design(wanted_set_), static_cast<size_t>(status.accepted));
+    const double lowest = lowest_frequency_hz(spec_of(fields), axis_->config().tick_s, line);
+    culprit = mode_register(0, ModeField::kFrequency);
+    accepted = register_ceiling(lowest * kFrequencyPerHz);
+  }
+  refuse(reason_of(status.error, status.quantity), culprit, accepted);
+}
+
+void ShaperSettings::refuse(uint16_t reason, Register culprit, uint32_t accepted) {
   parameters_->set(Register::kShaperState, static_cast<uint32_t>(ShaperState::kRefused));
   parameters_->set(Register::kShaperRefusal, reason);
   parameters_->note_refusal(reason, address_of(culprit), accepted);
 }
 
-// The axis counts signals of its line; a client knows frequencies. Only a single mode can be told which one would fit.
-void ShaperSettings::refuse_length(const Status& status) {
-  Register culprit = Register::kModeCount;
-  uint32_t accepted = 0;
-  if (wanted_registers_.count == 1 && status.error == Error::kLineTooShort && status.accepted >= 1.0) {
-    const auto& fields = wanted_registers_.fields[0];
-    const double lowest =
-        lowest_frequency_hz(spec_of(fields), axis_->config().tick_s, static_cast<size_t>(status.accepted));
-    culprit = mode_register(0, ModeField::kFrequency);
-    accepted = register_ceiling(lowest * kFrequencyPerHz);
+bool ShaperSettings::same(const Staged& a, const Staged& b) {
+  if (a.count != b.count) return false;
+  for (uint32_t k = 0; k < a.count; ++k) {
+    for (uint32_t f = 0; f < kFieldCount; ++f) {
+      if (a.fields[k][f] != b.fields[k][f]) return false;
+    }
   }
-  const uint16_t reason = reason_of(status.error, status.quantity);
-  parameters_->set(Register::kShaperState, static_cast<uint32_t>(ShaperState::kRefused));
-  parameters_->set(Register::kShaperRefusal, reason);
-  parameters_->note_refusal(reason, address_of(culprit), accepted);
+  return true;
 }
 
 ShaperSettings::Staged ShaperSettings::read_staged() const {

@@ -1,35 +1,45 @@
 // SPDX-License-Identifier: Apache-2.0
-// The staged modes (registers 0100 on), their design, and the way into the axis.
+// The staged modes (registers 0100 on), their designs, and the way into the axis.
 #pragma once
 
 #include "firmware/parameters.hpp"
 #include "shaper/axis/axis_core.hpp"
+#include "shaper/axis/shaper_sets.hpp"
 #include "shaper/shaping/design.hpp"
+#include "shaper/shaping/meanwhile.hpp"
 
 namespace stillpoint::firmware {
 
 // Background only. Zero-initialised storage is valid.
 //
-// An apply is designed from the staged registers at once and refused at once; an accepted one waits until the axis
-// stands and takes effect at a tick that allows a commit. A blended one does not wait for rest if the move under way
-// leaves room. A stop that drops it on the way only makes it wait longer.
+// Each of kShaperSets has staged registers of its own; register 0101 says which set's 0100 on show and edit, and apply
+// designs and applies. An apply takes what is staged when it is written; it is refused once its design is, and an
+// accepted one waits until the axis stands and takes effect at a tick that allows a commit. A blended one does not wait
+// for rest if the move under way leaves room. A stop that drops it on the way only makes it wait longer. A set applied
+// before, unchanged, is not designed again.
 // A refusal leaves what was in force, or on its way, as it is.
 class ShaperSettings {
  public:
-  void begin(AxisCore& axis, Parameters& parameters);
+  // `meanwhile` is called while a design runs; it may call what a register write calls here, but not `service`.
+  void begin(AxisCore& axis, Parameters& parameters, Meanwhile meanwhile);
 
-  // Register 0130: apply. The design is left to `service`, so that the client's answer does not wait for it.
+  // Register 0101: this set's registers are shown from now on. What runs does not change.
+  void show_set(uint32_t set);
+
+  // Register 0130: apply. The design is left to `service`, so that the client's answer does not wait for it; one that
+  // is under way is given up after its mode.
   void request_apply(Retune when);
 
-  // Register 0130: the staged registers go back to what is in force; an apply that still waits for the axis is dropped.
+  // Register 0130: the staged registers of the set go back to what was last in force of it; an apply of any set that
+  // still waits for the axis is dropped.
   void discard();
 
-  // As often as possible, when there is time for a design (some 10,000 instructions a mode with software doubles) or
-  // for the search that a blend takes (BlendSearch).
+  // As often as possible, when there is time for a design (see add_shaper) or for the search that a blend takes
+  // (BlendSearch).
   void service();
 
   // Something applied is not in force yet; a move now would be run with the old shaper.
-  bool waiting() const { return apply_requested_ || waiting_; }
+  bool waiting() const { return apply_requested_ || designing_ || waiting_; }
 
  private:
   static constexpr uint32_t kFieldCount = 5;
@@ -37,25 +47,43 @@ class ShaperSettings {
     uint32_t count;
     uint32_t fields[kMaxModes][kFieldCount];
   };
+  struct Set {
+    Staged staged;    // while another is shown; the shown one's lie in the parameters
+    Staged designed;  // what the prepared design was made from
+    Staged in_force;  // the last of this set that was
+  };
 
+  static bool same(const Staged& a, const Staged& b);
   Staged read_staged() const;
   void write_staged(const Staged& staged);
-  Status design(const Staged& staged, ShaperDesign& out, uint32_t& failed_mode) const;
   void start_apply();
+  bool prepare(uint32_t set, const Staged& staged);
   void hand_over();
   void finish();
+  double worst_residual(const ShaperDesign& active) const;
   void refuse_design(const Status& status, uint32_t mode);
   void refuse_length(const Status& status);
+  void refuse(uint16_t reason, Register culprit, uint32_t accepted);
   void show_in_force();
 
   AxisCore* axis_ = nullptr;
   Parameters* parameters_ = nullptr;
+  Meanwhile meanwhile_ = {};
+  uint32_t shown_ = 0;
+
+  // An apply goes from requested, through designing, to waiting for the axis; a later one overtakes it.
   bool apply_requested_ = false;
-  Retune when_ = Retune::kAtRest;
+  uint32_t requested_set_ = 0;
+  Staged requested_ = {};
+  Retune requested_when_ = Retune::kAtRest;
+  bool designing_ = false;
   bool waiting_ = false;
-  ShaperDesign wanted_ = {};
-  Staged wanted_registers_ = {};
-  Staged in_force_ = {};
+  uint32_t wanted_set_ = 0;
+  Retune when_ = Retune::kAtRest;
+
+  uint32_t set_in_force_ = 0;
+  Set sets_[kShaperSets] = {};
+  ShaperSets<kShaperSets> prepared_ = {};
 };
 
 }  // namespace stillpoint::firmware

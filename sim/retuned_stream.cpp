@@ -76,7 +76,7 @@ class Shaped {
  public:
   Shaped(const std::vector<Signal>& input, size_t from, size_t to, const ShaperDesign& design)
       : from_(from), before_(from == 0 ? 0 : input[from - 1]) {
-    std::vector<LineSample> memory(design.line_length() + size_t{1}, LineSample{0, 0});
+    std::vector<LineSample> memory(Shaper::memory_needed(design) + 1, LineSample{0, 0});
     Shaper shaper;
     require(shaper.configure(design, memory.data(), memory.size(), before_));
     output_.reserve(to - from);

@@ -23,11 +23,11 @@
 
 namespace stillpoint {
 
-// kLineCapacity: signals of delay line, for all stages of a shaper together (a stage of d ticks takes d + 1).
-// RAM: 16 bytes a signal (two lines: the active one and the one being prepared) and about 3 KB.
+// kLineCapacity: LineSamples that a shaper may take (Shaper::memory_needed: a stage of d ticks and t taps d + t + 2).
+// RAM: 16 bytes each (two shapers: the active one and the one being prepared) and about 1 KB.
 template <size_t kLineCapacity>
 class Axis : public AxisCore {
-  static_assert(kLineCapacity >= 4, "room for the shortest stage");
+  static_assert(kLineCapacity >= 7, "room for the shortest stage");
   static_assert(kLineCapacity <= (size_t{1} << 20), "longer lines than 8 MB a shaper are a mistake");
 
  public:

@@ -42,7 +42,7 @@ Status AxisCore::configure(const AxisConfig& config) {
   if (!status.ok()) return status;
   if (configured_) status = check_ready();
   if (!status.ok()) return status;
-  if (shaper().stage_count != 0 && config.tick_s != config_.tick_s)
+  if (running().stage_count() != 0 && config.tick_s != config_.tick_s)
     return refuse(Error::kNotAvailable, Quantity::kTick, config.tick_s, config_.tick_s);
   status = StopLimits::make(config.quick_stop_deceleration, config.quick_stop_jerk, config.tick_s, stop_limits_);
   if (!status.ok()) return status;
@@ -72,7 +72,7 @@ Status AxisCore::command(const Move& move, MoveReport* report) {
   if (!status.ok()) return status;
   Track::make(plan, start, target, tracks_[active_track_ ^ 1]);
   result.profile_ticks = plan.duration_ticks;
-  result.total_ticks = plan.duration_ticks + (distance != 0.0 ? shaper().length_ticks() : 0);
+  result.total_ticks = plan.duration_ticks + (distance != 0.0 ? running().length_ticks() : 0);
   if (report != nullptr) *report = result;
   move_ = move;
   move_sped_up_ = plan.duration_ticks < least_ticks;
@@ -88,14 +88,14 @@ Status AxisCore::time_plainly(const Move& move, Plan& plan, MoveReport& report) 
     const Status status = stretch(plan, static_cast<uint32_t>(ticks));
     if (!status.ok()) return status;
   }
-  report.zero_delay_met = shaper().stage_count == 0;
+  report.zero_delay_met = running().stage_count() == 0;
   return kOk;
 }
 
 Status AxisCore::time_zero_delay(const Move& move, Signal start, Plan& plan, MoveReport& report) {
-  const uint32_t length = shaper().length_ticks();
+  const uint32_t length = running().length_ticks();
   const uint32_t spare = active_shaper_ ^ 1;
-  Status status = shapers_[spare].configure(shaper(), memory_[spare], capacity_, start);
+  Status status = shapers_[spare].configure(running(), memory_[spare], capacity_, start);
   if (!status.ok()) return status;
   ShapedMoveCheck check(plan, move.limits, move.kind, config_.tick_s, shapers_[spare], tracks_[active_track_ ^ 1],
                         start, signal_from_counts(move.target_counts));

@@ -15,7 +15,7 @@ AxisState AxisCore::state() const { return published_.read(); }
 
 bool AxisCore::pending() const { return load(pending_) != kNothing; }
 
-const ShaperDesign& AxisCore::shaper() const { return shapers_[load(active_shaper_)].design(); }
+ShaperDesign AxisCore::shaper() const { return running().design(); }
 
 void AxisCore::request_stop() { store(stop_requested_, 1); }
 
@@ -88,7 +88,7 @@ void AxisCore::take_pending(uint32_t what) {
 
 void AxisCore::take_shaper(uint32_t what) {
   store(active_shaper_, active_shaper_ ^ 1);
-  length_ticks_ = shapers_[active_shaper_].design().length_ticks();
+  length_ticks_ = shapers_[active_shaper_].length_ticks();
   if (what != kShaper || pending_epoch_ != epoch_) shapers_[active_shaper_].fill(outputs_[0]);
   store(pending_, kNothing);
 }
@@ -97,7 +97,7 @@ void AxisCore::take_shaper(uint32_t what) {
 // Where that no longer fits, the background was late.
 void AxisCore::begin_blend() {
   const uint32_t wait = blend_begin_ - (published_.latest().tick + 1);
-  const uint32_t length = shapers_[active_shaper_ ^ 1].design().length_ticks();
+  const uint32_t length = shapers_[active_shaper_ ^ 1].length_ticks();
   if (pending_epoch_ != epoch_ || static_cast<int32_t>(wait) < static_cast<int32_t>(length)) {
     store(pending_, kLaterShaper);
     return;
@@ -111,7 +111,7 @@ void AxisCore::begin_blend() {
 void AxisCore::end_blend() {
   blending_ = false;
   store(active_shaper_, active_shaper_ ^ 1);
-  set_length(shapers_[active_shaper_].design().length_ticks());
+  set_length(shapers_[active_shaper_].length_ticks());
   store(pending_, kNothing);
 }
 
@@ -119,7 +119,7 @@ void AxisCore::end_blend() {
 void AxisCore::drop_blend() {
   if (!blending_) return;
   blending_ = false;
-  length_ticks_ = shapers_[active_shaper_].design().length_ticks();
+  length_ticks_ = shapers_[active_shaper_].length_ticks();
   store(pending_, kLaterShaper);
 }
 

@@ -35,15 +35,15 @@ class AxisCore {
   // runs through the stages, of at most kLongestSearchTicks and the shaper's length each. `report` may be null.
   Status command(const Move& move, MoveReport* report);
 
-  // Changes the shaper. Refuses kBusy while something is pending, and kLineTooShort (`value` signals needed, `accepted`
-  // signals there).
+  // Changes the shaper. Refuses kBusy while something is pending, and kLineTooShort (`value` LineSamples needed, by
+  // Shaper::memory_needed, `accepted` there).
   // kAtRest: refuses kBusy while the axis moves too; takes effect at the next tick that allows a commit.
   // kBlended: also while the axis moves. Looks for a stretch of what is left of the move in which going over from the
   // one shaper's output to the other's keeps the limits of the move; the new shaper then runs beside the old from the
   // next commit on and is active once the blend is over. While there is none it stays pending, `service` looks again
   // further on, and the next rest makes it active as kAtRest does: at the latest when the old shaper has drained.
-  // The move then ends with the new shaper's length. A search needs both delay lines in the spare one; shapers too long
-  // for that wait for rest. Cost: see BlendSearch, and 2 to 3 KB of stack.
+  // The move then ends with the new shaper's length. A search needs the memory of both shapers in the spare's; shapers too
+  // long for that wait for rest. Cost: see BlendSearch, and 2 to 3 KB of stack.
   Status set_shaper(const ShaperDesign& design, Retune when = Retune::kAtRest);
 
   // For a blended retune that found no room in the part of the move that was searched, or whose window the tick missed:
@@ -56,8 +56,9 @@ class AxisCore {
   // True while a command or a shaper waits for a tick that allows a commit, and until a blended shaper is active.
   bool pending() const;
 
-  // The shaper in force (after the pending one took effect, after the blend to it).
-  const ShaperDesign& shaper() const;
+  // The shaper in force (after the pending one took effect, after the blend to it): put together from what runs, so keep
+  // it rather than ask twice.
+  ShaperDesign shaper() const;
 
   const AxisConfig& config() const { return config_; }
 
@@ -86,6 +87,7 @@ class AxisCore {
   // A shaper's line is filled where the axis stands, or (kLaterShaper) left to the tick that takes it at rest.
   enum Pending : uint32_t { kNothing, kMove, kShaper, kLaterShaper, kBlend };
 
+  const Shaper& running() const { return shapers_[load(active_shaper_)]; }
   Status check_ready() const;
   void offer_blend(uint32_t epoch, const AxisState& now);
   bool find_blend(const AxisState& now);

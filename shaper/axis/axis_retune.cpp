@@ -9,17 +9,7 @@ namespace {
 constexpr uint32_t kMostLeadTicks = UINT32_C(1) << 12;
 
 // A search runs both lines full before it looks, at some ten ticks of the move a tick of the clock or more.
-uint32_t first_lead(const ShaperDesign& a, const ShaperDesign& b) {
-  return 16 + (a.length_ticks() + b.length_ticks()) / 16;
-}
-
-// Its output is a mean of its input's past, so within whatever limits that keeps.
-bool averages(const ShaperDesign& design) {
-  for (uint32_t i = 0; i < design.tap_count; ++i) {
-    if (design.taps[i].gain < 0) return false;
-  }
-  return true;
-}
+uint32_t first_lead(const Shaper& a, const Shaper& b) { return 16 + (a.length_ticks() + b.length_ticks()) / 16; }
 
 }  // namespace
 
@@ -33,7 +23,7 @@ Status AxisCore::set_shaper(const ShaperDesign& design, Retune when) {
   status = shapers_[spare].configure(design, memory_[spare], capacity_, now.setpoint);
   if (!status.ok()) return status;
   if (moving) {
-    blend_lead_ = first_lead(shaper(), design);
+    blend_lead_ = first_lead(running(), shapers_[spare]);
     offer_blend(epoch, now);
   } else {
     hand_over(kShaper, epoch);
@@ -61,20 +51,20 @@ void AxisCore::offer_blend(uint32_t epoch, const AxisState& now) {
 
 bool AxisCore::find_blend(const AxisState& now) {
   Shaper& next = shapers_[active_shaper_ ^ 1];
-  const ShaperDesign& design = next.design();
-  const uint32_t used = design.line_length();
+  const size_t used = next.memory_used();
   Shaper old;
-  if (!old.configure(shaper(), memory_[active_shaper_ ^ 1] + used, capacity_ - used, now.setpoint).ok()) return false;
+  if (!old.configure(running(), memory_[active_shaper_ ^ 1] + used, capacity_ - used, now.setpoint).ok()) return false;
   const Track& track = tracks_[active_track_];
-  const uint32_t stages = shaper().stage_count > design.stage_count ? shaper().stage_count : design.stage_count;
+  const uint32_t stages = old.stage_count() > next.stage_count() ? old.stage_count() : next.stage_count();
   const BlendLimits limits =
       BlendLimits::make(move_.limits, move_.kind, config_.tick_s, stages, track.target >= track.start);
   const uint32_t began = load(move_began_);
-  const uint32_t ahead = blend_lead_ + design.length_ticks() + 1;
+  const uint32_t ahead = blend_lead_ + next.length_ticks() + 1;
   BlendWindow window{};
   uint32_t resume = 0;
   BlendSearch search(track, limits, old, next);
-  const bool proved = averages(design) && !move_sped_up_;
+  // A mean of the input's past is within whatever limits that keeps.
+  const bool proved = next.averages() && !move_sped_up_;
   const bool found = search.find(now.tick - began + ahead, proved, window, resume);
   if (found) {
     // Looked at again, the tick has missed it: another time more of the clock is left for the search.

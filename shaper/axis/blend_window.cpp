@@ -55,16 +55,12 @@ bool Stream::keeps(const BlendLimits& limits, int64_t lowest) const {
 }
 
 BlendSearch::BlendSearch(const Track& track, const BlendLimits& limits, Shaper& from, Shaper& to)
-    : track_(track),
-      limits_(limits),
-      from_(from),
-      to_(to),
-      stands_(track.duration_ticks + from.design().length_ticks()) {}
+    : track_(track), limits_(limits), from_(from), to_(to), stands_(track.duration_ticks + from.length_ticks()) {}
 
 // Fed for its length, a line holds what it would hold had it run for ever; three ticks more give the differences.
 void BlendSearch::start_at(uint32_t first) {
-  const uint32_t from_length = from_.design().length_ticks();
-  const uint32_t to_length = to_.design().length_ticks();
+  const uint32_t from_length = from_.length_ticks();
+  const uint32_t to_length = to_.length_ticks();
   const uint32_t settle = (from_length > to_length ? from_length : to_length) + 3;
   tick_ = first > settle ? first - settle : 0;
   sampler_.begin_at(track_, tick_);
@@ -135,7 +131,7 @@ bool BlendSearch::step_tries(BlendWindow& window) {
 bool BlendSearch::find(uint32_t first, bool proved, BlendWindow& window, uint32_t& resume) {
   resume = UINT32_MAX;
   if (first >= stands_) return false;
-  const uint32_t all_stand = track_.duration_ticks + to_.design().length_ticks() + 3;
+  const uint32_t all_stand = track_.duration_ticks + to_.length_ticks() + 3;
   uint32_t end = stands_;
   if (!proved) {
     end = all_stand > stands_ ? all_stand : stands_;

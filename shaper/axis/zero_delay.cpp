@@ -25,7 +25,7 @@ ShapedMoveCheck::ShapedMoveCheck(const Plan& plan, const AxisLimits& limits, Pro
                                  Shaper& scratch, Track& track, Signal start, Signal target)
     : plan_(plan), scratch_(scratch), track_(track), start_(start), target_(target), limit_{} {
   // Each rounding to the LSB, the profile's and one a stage, adds up to 1, 2, 4 LSB to the differences.
-  const double roundings = scratch.design().stage_count + 1.0;
+  const double roundings = scratch.stage_count() + 1.0;
   const double lsb_tick = tick_s * static_cast<double>(kSignalPerCount);
   limit_[0] = limits.velocity * lsb_tick + roundings;
   limit_[1] = limits.acceleration * lsb_tick * tick_s + 2.0 * roundings;
@@ -44,7 +44,7 @@ Quantity ShapedMoveCheck::broken_at(uint32_t profile_ticks) {
   int64_t velocity = 0;
   int64_t acceleration = 0;
   // Three ticks more than the stream moves: its differences come to rest.
-  const uint32_t ticks = profile_ticks + scratch_.design().length_ticks() + 3;
+  const uint32_t ticks = profile_ticks + scratch_.length_ticks() + 3;
   for (uint32_t i = 0; i < ticks; ++i) {
     const Signal output = scratch_.tick(sampler.tick());
     const int64_t step = forward ? output - last : last - output;

@@ -53,7 +53,8 @@ void add_lobes(const Prototype& prototype, double damping_ratio, double from, do
 
 }  // namespace
 
-BandTargets band_targets(const Prototype& prototype, double damping_ratio, double tolerance, double cycles_a_tick) {
+BandTargets band_targets(const Prototype& prototype, double damping_ratio, double tolerance, double cycles_a_tick,
+                         Meanwhile meanwhile) {
   BandTargets targets{};
   targets.two_sided = cycles_a_tick <= kTwoSidedCyclesATick;
   targets.log_tolerance = math::log(tolerance);
@@ -63,7 +64,9 @@ BandTargets band_targets(const Prototype& prototype, double damping_ratio, doubl
   const double lowest = prototype.zeros[0].ratio;
   const double highest = prototype.zeros[prototype.zero_count - 1].ratio;
   add_edge(prototype, damping_ratio, lowest, 0.0, targets);
+  meanwhile();
   add_edge(prototype, damping_ratio, highest, limit, targets);
+  meanwhile();
   add_lobes(prototype, damping_ratio, highest, limit, targets);
   return targets;
 }

@@ -2,6 +2,7 @@
 // What a shaper on the ticks should have of its prototype: humps, and the edges of its band. Background.
 #pragma once
 
+#include "shaper/shaping/meanwhile.hpp"
 #include "shaper/shaping/peak.hpp"
 #include "shaper/shaping/prototype.hpp"
 
@@ -37,6 +38,7 @@ struct BandTargets {
 };
 
 // Cost: about 300 evaluations of the prototype.
-BandTargets band_targets(const Prototype& prototype, double damping_ratio, double tolerance, double cycles_a_tick);
+BandTargets band_targets(const Prototype& prototype, double damping_ratio, double tolerance, double cycles_a_tick,
+                         Meanwhile meanwhile = {});
 
 }  // namespace stillpoint

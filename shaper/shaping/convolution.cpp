@@ -75,10 +75,11 @@ bool step(Offsets& offsets, double damping_ratio, double log_tolerance, double& 
   return false;
 }
 
-bool solve(Offsets& offsets, double damping_ratio, double tolerance) {
+bool solve(Offsets& offsets, double damping_ratio, double tolerance, Meanwhile meanwhile) {
   constexpr double kClose = 1e-11;
   const double log_tolerance = math::log(tolerance);
   for (int i = 0; i < kMostSteps; ++i) {
+    meanwhile();
     double miss = 0.0;
     if (!step(offsets, damping_ratio, log_tolerance, miss)) return false;
     if (miss < kClose) return true;
@@ -100,32 +101,33 @@ Offsets chebyshev_offsets(uint32_t humps, double tolerance) {
 }
 
 // From the least tolerance, where the start is good, up to this one. Returns the last that has a solution.
-double find_along_tolerance(Offsets& offsets, double damping_ratio, double tolerance) {
+double find_along_tolerance(Offsets& offsets, double damping_ratio, double tolerance, Meanwhile meanwhile) {
   offsets = chebyshev_offsets(offsets.humps, kMinTolerance);
-  if (!solve(offsets, damping_ratio, kMinTolerance)) return 0.0;
+  if (!solve(offsets, damping_ratio, kMinTolerance, meanwhile)) return 0.0;
   const double reached = follow(offsets, math::log(kMinTolerance), math::log(tolerance), 0.5, 0.001,
-                                [damping_ratio](Offsets& trial, double log_tolerance) {
-                                  return solve(trial, damping_ratio, math::exp(log_tolerance));
+                                [damping_ratio, meanwhile](Offsets& trial, double log_tolerance) {
+                                  return solve(trial, damping_ratio, math::exp(log_tolerance), meanwhile);
                                 });
   return reached == math::log(tolerance) ? tolerance : math::exp(reached) * (1.0 - 1e-3);
 }
 
 // Returns `tolerance` where it finds a solution, else a lower one that has.
-double find(Offsets& offsets, double damping_ratio, double tolerance) {
+double find(Offsets& offsets, double damping_ratio, double tolerance, Meanwhile meanwhile) {
   offsets = chebyshev_offsets(offsets.humps, tolerance);
-  return solve(offsets, damping_ratio, tolerance) ? tolerance : find_along_tolerance(offsets, damping_ratio, tolerance);
+  if (solve(offsets, damping_ratio, tolerance, meanwhile)) return tolerance;
+  return find_along_tolerance(offsets, damping_ratio, tolerance, meanwhile);
 }
 
 }  // namespace
 
-Status make_convolution(uint32_t humps, double damping_ratio, double tolerance, Prototype& out) {
+Status make_convolution(uint32_t humps, double damping_ratio, double tolerance, Prototype& out, Meanwhile meanwhile) {
   Offsets offsets{humps, {}};
-  double reached = find(offsets, damping_ratio, tolerance);
+  double reached = find(offsets, damping_ratio, tolerance, meanwhile);
   if (reached < tolerance) {
     // The way up depends on where it goes, and may end early where a hump changes its top: name one that is found.
     for (int i = 0; i < kMostTries; ++i) {
       const double tried = reached;
-      reached = find(offsets, damping_ratio, tried);
+      reached = find(offsets, damping_ratio, tried, meanwhile);
       if (reached == tried) break;
     }
     return refuse(Error::kAboveMaximum, Quantity::kTolerance, tolerance, reached);

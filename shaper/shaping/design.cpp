@@ -97,9 +97,10 @@ Status check_tick(double tick_s) {
   return kOk;
 }
 
-Status realise(const ShaperSpec& spec, double tick_s, GridShaper& shaper, PlacementReport& report) {
+Status realise(const ShaperSpec& spec, double tick_s, GridShaper& shaper, PlacementReport& report,
+               Meanwhile meanwhile) {
   Prototype prototype;
-  Status status = make_prototype(spec, prototype);
+  Status status = make_prototype(spec, prototype, meanwhile);
   if (status.ok()) status = check_frequency(prototype, spec, tick_s);
   if (!status.ok()) return status;
   const double zeta = spec.mode.damping_ratio;
@@ -115,8 +116,9 @@ Status realise(const ShaperSpec& spec, double tick_s, GridShaper& shaper, Placem
   }
   if (prototype.zero_count > 1) {
     const GridShaper placed = shaper;
-    const BandTargets targets = band_targets(prototype, zeta, spec.tolerance, cycles);
-    report.band_miss = fit_band(targets, zeta, cycles, shaper);
+    const BandTargets targets = band_targets(prototype, zeta, spec.tolerance, cycles, meanwhile);
+    meanwhile();
+    report.band_miss = fit_band(targets, zeta, cycles, shaper, meanwhile);
     if (!within_gains(shaper.taps)) {
       shaper = placed;
       report.band_miss = band_miss(targets, zeta, cycles, shaper);
@@ -168,7 +170,8 @@ Cascade ShaperDesign::cascade() const {
   return out;
 }
 
-Status add_shaper(const ShaperSpec& spec, double tick_s, ShaperDesign& design, PlacementReport* report) {
+Status add_shaper(const ShaperSpec& spec, double tick_s, ShaperDesign& design, PlacementReport* report,
+                  Meanwhile meanwhile) {
   PlacementReport placed{0.0, false};
   if (spec.kind == ShaperKind::kNone) {
     if (report != nullptr) *report = placed;
@@ -178,7 +181,7 @@ Status add_shaper(const ShaperSpec& spec, double tick_s, ShaperDesign& design, P
   if (status.ok()) status = check_tick(tick_s);
   if (!status.ok()) return status;
   GridShaper shaper;
-  status = realise(spec.with_defaults(), tick_s, shaper, placed);
+  status = realise(spec.with_defaults(), tick_s, shaper, placed, meanwhile);
   if (status.ok()) status = check_room(shaper, design);
   if (!status.ok()) return status;
   append_quantised(shaper.taps, design);

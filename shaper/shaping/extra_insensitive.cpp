@@ -181,12 +181,13 @@ void equations(const Unknowns& at, double damping_ratio, double log_tolerance, S
 }
 
 // Newton, steps halved while they break the order of things.
-bool solve(Unknowns& at, double damping_ratio, double tolerance) {
+bool solve(Unknowns& at, double damping_ratio, double tolerance, Meanwhile meanwhile) {
   constexpr int kMostSteps = 12;
   constexpr double kClose = 1e-12;
   constexpr double kWide = 0.2;  // a change of more is no longer a correction
   const double log_tolerance = math::log(tolerance);
   for (int i = 0; i < kMostSteps; ++i) {
+    meanwhile();
     System system = {};
     equations(at, damping_ratio, log_tolerance, system);
     double change[kMaxUnknowns] = {};
@@ -204,30 +205,32 @@ bool solve(Unknowns& at, double damping_ratio, double tolerance) {
 }
 
 // From the undamped shaper of this tolerance up to the damping, in steps that Newton can follow.
-bool find_along_damping(Unknowns& at, double damping_ratio, double tolerance) {
+bool find_along_damping(Unknowns& at, double damping_ratio, double tolerance, Meanwhile meanwhile) {
   at = undamped_start(at.humps, tolerance);
-  return follow(at, 0.0, damping_ratio, 0.05, 0.002,
-                [tolerance](Unknowns& trial, double zeta) { return solve(trial, zeta, tolerance); }) == damping_ratio;
+  return follow(at, 0.0, damping_ratio, 0.05, 0.002, [=](Unknowns& trial, double zeta) {
+           return solve(trial, zeta, tolerance, meanwhile);
+         }) == damping_ratio;
 }
 
 // From a small tolerance, for which there is a solution at every damping, up to this one. Returns the last that has
 // one.
-double find_along_tolerance(Unknowns& at, double damping_ratio, double tolerance) {
+double find_along_tolerance(Unknowns& at, double damping_ratio, double tolerance, Meanwhile meanwhile) {
   constexpr double kStart = 0.01;
-  if (tolerance <= kStart || !find_along_damping(at, damping_ratio, kStart)) return 0.0;
+  if (tolerance <= kStart || !find_along_damping(at, damping_ratio, kStart, meanwhile)) return 0.0;
   const double reached = follow(at, math::log(kStart), math::log(tolerance), 0.3, 0.001,
-                                [damping_ratio](Unknowns& trial, double log_tolerance) {
-                                  return solve(trial, damping_ratio, math::exp(log_tolerance));
+                                [damping_ratio, meanwhile](Unknowns& trial, double log_tolerance) {
+                                  return solve(trial, damping_ratio, math::exp(log_tolerance), meanwhile);
                                 });
   return reached == math::log(tolerance) ? tolerance : math::exp(reached) * (1.0 - 1e-3);
 }
 
 }  // namespace
 
-Status make_extra_insensitive(uint32_t humps, double damping_ratio, double tolerance, Prototype& out) {
+Status make_extra_insensitive(uint32_t humps, double damping_ratio, double tolerance, Prototype& out,
+                              Meanwhile meanwhile) {
   Unknowns at{humps, {}, {}};
-  if (!find_along_damping(at, damping_ratio, tolerance)) {
-    const double reached = find_along_tolerance(at, damping_ratio, tolerance);
+  if (!find_along_damping(at, damping_ratio, tolerance, meanwhile)) {
+    const double reached = find_along_tolerance(at, damping_ratio, tolerance, meanwhile);
     if (reached < tolerance) return refuse(Error::kAboveMaximum, Quantity::kTolerance, tolerance, reached);
   }
   out = Prototype{};

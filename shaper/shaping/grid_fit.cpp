@@ -50,8 +50,12 @@ struct Parameter {
 
 class Fit {
  public:
-  Fit(const BandTargets& targets, double damping_ratio, double cycles_a_tick, GridShaper& shaper)
-      : targets_(targets), damping_ratio_(damping_ratio), cycles_(cycles_a_tick), shaper_(shaper) {
+  Fit(const BandTargets& targets, double damping_ratio, double cycles_a_tick, GridShaper& shaper, Meanwhile meanwhile)
+      : targets_(targets),
+        damping_ratio_(damping_ratio),
+        cycles_(cycles_a_tick),
+        shaper_(shaper),
+        meanwhile_(meanwhile) {
     bool pinned = false;
     for (uint32_t i = 0; i < shaper.zero_count; ++i) {
       if (!pinned && shaper.zeros[i].ratio == 1.0) {
@@ -81,6 +85,7 @@ class Fit {
   double measure() {
     double worst = 0.0;
     for (uint32_t j = 0; j < targets_.count; ++j) {
+      meanwhile_();
       miss_[j] = targets_.two_sided ? miss_of(j) : excess_of(j);
       if (math::abs(miss_[j]) > worst) worst = math::abs(miss_[j]);
     }
@@ -91,6 +96,7 @@ class Fit {
   bool step(double stiffness) {
     double slope[kMaxPoints][kMaxParameters] = {};
     for (uint32_t p = 0; p < count_; ++p) {
+      meanwhile_();
       if (!differentiate(p, slope)) return false;
     }
     LinearSystem<kMaxParameters> system;
@@ -172,6 +178,7 @@ class Fit {
   double damping_ratio_;
   double cycles_;
   GridShaper& shaper_;
+  Meanwhile meanwhile_;
   uint32_t count_ = 0;
   Parameter parameters_[kMaxParameters] = {};
   double top_[kMaxPoints] = {};   // frequency of each point, cycles a tick
@@ -233,11 +240,12 @@ bool place(const Prototype& prototype, double cycles_a_tick, GridShaper& out) {
 }
 
 double band_miss(const BandTargets& targets, double damping_ratio, double cycles_a_tick, GridShaper& shaper) {
-  return Fit(targets, damping_ratio, cycles_a_tick, shaper).measure() / kAskedFor;
+  return Fit(targets, damping_ratio, cycles_a_tick, shaper, {}).measure() / kAskedFor;
 }
 
-double fit_band(const BandTargets& targets, double damping_ratio, double cycles_a_tick, GridShaper& shaper) {
-  Fit fit(targets, damping_ratio, cycles_a_tick, shaper);
+double fit_band(const BandTargets& targets, double damping_ratio, double cycles_a_tick, GridShaper& shaper,
+                Meanwhile meanwhile) {
+  Fit fit(targets, damping_ratio, cycles_a_tick, shaper, meanwhile);
   double miss = fit.measure();
   const bool is_banded = targets.count > 0 && targets.points[0].kind == PointKind::kHump;
   const double enough = is_banded && targets.two_sided ? kClose : 0.8 * kAskedFor;

@@ -7,6 +7,7 @@
 
 #include "shaper/shaping/band_targets.hpp"
 #include "shaper/shaping/grid.hpp"
+#include "shaper/shaping/meanwhile.hpp"
 
 namespace stillpoint {
 
@@ -28,7 +29,8 @@ struct GridShaper {
 // already satisfies two thirds of all designs, four steps most. Returns the largest miss left, 1 being what is asked.
 constexpr int kFitStarts = 7;
 constexpr int kFitSteps = 16;
-double fit_band(const BandTargets& targets, double damping_ratio, double cycles_a_tick, GridShaper& shaper);
+double fit_band(const BandTargets& targets, double damping_ratio, double cycles_a_tick, GridShaper& shaper,
+                Meanwhile meanwhile = {});
 
 // What fit_band returns, of a shaper as it stands.
 double band_miss(const BandTargets& targets, double damping_ratio, double cycles_a_tick, GridShaper& shaper);

@@ -171,11 +171,12 @@ ShaperCost cost_of(const ShaperDesign* each, size_t count) {
 Status worst_lag(const ShaperDesign* each, size_t count, LineSample* memory, size_t capacity, ContourLag& lag) {
   ContourLag most{};
   for (uint32_t i = 0; i < count; ++i) {
-    const uint32_t taken = each[i].line_length();
+    const size_t taken = Shaper::memory_needed(each[i]);
     for (uint32_t k = i + 1; k < count; ++k) {
-      const uint32_t needed = taken + each[k].line_length();
+      const size_t needed = taken + Shaper::memory_needed(each[k]);
       if (needed > capacity)
-        return refuse(Error::kLineTooShort, Quantity::kDelay, needed, static_cast<double>(capacity));
+        return refuse(Error::kLineTooShort, Quantity::kDelay, static_cast<double>(needed),
+                      static_cast<double>(capacity));
       Shaper first;
       Shaper second;
       Status status = first.configure(each[i], memory, taken, 0);

@@ -59,8 +59,8 @@ struct ContourLag {
 };
 
 // Each of the above for the pair of axes in which it is largest. Runs the stages themselves, in `memory`, which has to
-// hold the two longest lines; refuses kLineTooShort otherwise, `lag` is then unchanged. Cost: length_ticks ticks of two
-// shapers a pair of axes; two Shapers of stack.
+// hold the two shapers that need most; refuses kLineTooShort otherwise, `lag` is then unchanged. Cost: length_ticks
+// ticks of two shapers a pair of axes.
 // For ZV of 11 Hz, zeta 0.11, and of 17 Hz, zeta 0.05, at 1 ms, steady, corner and worst: 5.36, 5.36, 8.09 as they are;
 // 0, 4.49, 8.97 with equal delays, which serve straights and hardly corners; 0 with the common shaper, for 13.6 ticks
 // more of delay.

@@ -69,7 +69,7 @@ void make_custom(const ShaperSpec& spec, Prototype& out) {
 
 }  // namespace
 
-Status make_prototype(const ShaperSpec& spec, Prototype& out) {
+Status make_prototype(const ShaperSpec& spec, Prototype& out, Meanwhile meanwhile) {
   const double zeta = spec.mode.damping_ratio;
   const uint32_t humps = humps_of(spec.kind);
   switch (spec.kind) {
@@ -81,11 +81,11 @@ Status make_prototype(const ShaperSpec& spec, Prototype& out) {
     case ShaperKind::kMzv: make_three_impulses(spec.spacing, zeta, out); return kOk;
     case ShaperKind::kEi:
     case ShaperKind::kEi2:
-    case ShaperKind::kEi3: return make_extra_insensitive(humps, zeta, spec.tolerance, out);
+    case ShaperKind::kEi3: return make_extra_insensitive(humps, zeta, spec.tolerance, out, meanwhile);
     case ShaperKind::kCv1:
     case ShaperKind::kCv2:
     case ShaperKind::kCv3:
-    case ShaperKind::kCv4: return make_convolution(humps, zeta, spec.tolerance, out);
+    case ShaperKind::kCv4: return make_convolution(humps, zeta, spec.tolerance, out, meanwhile);
     case ShaperKind::kUmZv: make_unity_magnitude(zeta, out); return kOk;
     case ShaperKind::kCustom: make_custom(spec, out); return kOk;
   }

@@ -18,13 +18,26 @@ struct alignas(8) LineSample {
   int32_t high;
 };
 
-// Runs a design on delay lines in memory that the caller owns. Zero-initialised it passes its input through.
+// Runs a design in memory that the caller owns. Zero-initialised it passes its input through.
+//
+// The memory begins with what the tick walks, a LineSample (8 bytes, on every machine) a stage and a tap; the delay
+// lines follow in the order of the stages. So a shaper takes what its design needs, and no more.
 class Shaper {
  public:
-  // Takes over the design, its lines in `memory` filled with `position`, so that an axis at rest there stays there.
-  // Refuses kLineTooShort with the signals needed and those there; the shaper is then unchanged, the memory too.
-  // Cost: `line_length` stores. Whoever owns the shaper.
+  // LineSamples of memory that running the design takes.
+  static size_t memory_needed(const ShaperDesign& design) { return overhead(design) + design.line_length(); }
+  // Signals of delay line that memory of `capacity` leaves to as many stages and taps as the design has; what
+  // lowest_frequency_hz asks for.
+  static size_t line_room(const ShaperDesign& design, size_t capacity) {
+    return capacity > overhead(design) ? capacity - overhead(design) : 0;
+  }
+
+  // Takes over the design, its lines filled with `position`, so that an axis at rest there stays there. `memory` is the
+  // shaper's until the next success. Refuses kLineTooShort with the LineSamples needed and those there; the shaper is
+  // then unchanged, the memory too. Cost: `memory_needed` stores. Whoever owns the shaper.
   Status configure(const ShaperDesign& design, LineSample* memory, size_t capacity, Signal position);
+  // The same with the design that another shaper runs, in other memory.
+  Status configure(const Shaper& other, LineSample* memory, size_t capacity, Signal position);
 
   // As if the input had been `position` for ever.
   void fill(Signal position);
@@ -33,19 +46,23 @@ class Shaper {
   // output of a stage at rest is its input exactly.
   Signal tick(Signal input);
 
-  const ShaperDesign& design() const { return design_; }
+  uint32_t stage_count() const { return stage_count_; }
+  uint32_t length_ticks() const { return length_ticks_; }
+  size_t memory_used() const { return static_cast<size_t>(lines_ - memory_) + length_ticks_ + stage_count_; }
+  // The output is a mean of the input's past: no gain is negative.
+  bool averages() const;
+  // What it runs, put together again: 700 bytes. Does not read what the tick writes.
+  ShaperDesign design() const;
 
  private:
-  // A stage as the tick walks it: a ring that holds the inputs of the last `length` ticks.
-  struct Line {
-    LineSample* first;
-    LineSample* newest;
-    uint32_t length;
-    const Tap* taps_end;
-  };
+  static size_t overhead(const ShaperDesign& design) { return size_t{design.stage_count} + design.tap_count; }
 
-  ShaperDesign design_ = {};
-  Line lines_[ShaperDesign::kMaxStages] = {};
+  // Of each stage a head (low: place of the newest sample in its line; high: signals of line) and its taps (low: delay;
+  // high: gain). The delay of the first is 0, so its place holds the LineSamples of the whole stage.
+  LineSample* memory_ = nullptr;
+  LineSample* lines_ = nullptr;
+  uint32_t stage_count_ = 0;
+  uint32_t length_ticks_ = 0;
 };
 
 }  // namespace stillpoint

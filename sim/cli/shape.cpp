@@ -21,7 +21,7 @@ class Filter {
 
   // Only while at rest.
   void configure(const ShaperDesign& design) {
-    memory_.assign(design.line_length() + size_t{1}, LineSample{0, 0});
+    memory_.assign(Shaper::memory_needed(design) + 1, LineSample{0, 0});
     sim::require(shaper_.configure(design, memory_.data(), memory_.size(), input_));
     length_ = design.length_ticks();
     same_ = length_;

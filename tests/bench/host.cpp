@@ -2,6 +2,8 @@
 // Host nanoseconds a tick. For comparing two builds on one machine; nothing is asserted.
 #include <benchmark/benchmark.h>
 
+#include <string>
+
 #include "tests/bench/scenarios.hpp"
 
 namespace {
@@ -42,10 +44,14 @@ void shaper_tick(benchmark::State& state) {
   }
 }
 
-BENCHMARK_CAPTURE(axis_tick, plain, kScenarios[0]);
-BENCHMARK_CAPTURE(axis_tick, zv, kScenarios[1]);
-BENCHMARK_CAPTURE(axis_tick, zvd, kScenarios[2]);
-BENCHMARK_CAPTURE(axis_tick, two_modes_zv, kScenarios[3]);
+// One a scenario, by its name.
+[[maybe_unused]] const bool kRegistered = [] {
+  for (const Scenario& scenario : kScenarios) {
+    benchmark::RegisterBenchmark((std::string("axis_tick/") + scenario.name).c_str(), axis_tick, scenario);
+  }
+  return true;
+}();
+
 BENCHMARK(shaper_tick)->ArgNames({"stages", "taps"})->Args({1, 3})->Args({1, 5})->Args({2, 3})->Args({4, 3});
 
 }  // namespace

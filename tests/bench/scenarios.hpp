@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // What is measured, the same on the host and on the chip: the reference move (Li 2017's arm; 1,000,000 counts a unit)
-// behind the usual shapers, and shapers of hand-made stages.
+// behind every shaper, and shapers of hand-made stages.
 #pragma once
 
 #include "shaper/axis/axis.hpp"
@@ -22,10 +22,14 @@ struct Scenario {
 };
 
 constexpr Mode kModes[] = {{11.0, 0.11}, {37.0, 0.05}};
-constexpr Scenario kScenarios[] = {{"plain", ShaperKind::kNone, 0},
-                                   {"ZV", ShaperKind::kZv, 1},
-                                   {"ZVD", ShaperKind::kZvd, 1},
-                                   {"two modes ZV", ShaperKind::kZv, 2}};
+constexpr Scenario kScenarios[] = {{"plain", ShaperKind::kNone, 0},      {"ZV", ShaperKind::kZv, 1},
+                                   {"ZVD", ShaperKind::kZvd, 1},         {"ZVDD", ShaperKind::kZvdd, 1},
+                                   {"ZVDDD", ShaperKind::kZvddd, 1},     {"MZV", ShaperKind::kMzv, 1},
+                                   {"EI", ShaperKind::kEi, 1},           {"EI2", ShaperKind::kEi2, 1},
+                                   {"EI3", ShaperKind::kEi3, 1},         {"CV1", ShaperKind::kCv1, 1},
+                                   {"CV2", ShaperKind::kCv2, 1},         {"CV3", ShaperKind::kCv3, 1},
+                                   {"CV4", ShaperKind::kCv4, 1},         {"UM-ZV", ShaperKind::kUmZv, 1},
+                                   {"two modes ZV", ShaperKind::kZv, 2}, {"two modes CV4", ShaperKind::kCv4, 2}};
 
 inline Status design_of(const Scenario& scenario, ShaperDesign& design) {
   for (uint32_t i = 0; i < scenario.mode_count; ++i) {

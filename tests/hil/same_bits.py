@@ -19,6 +19,9 @@ MOVES = {
     "no cruise, unequal ramps": "--distance 0.0234567 --velocity 2 --acceleration 13.7 --deceleration 31.3 --jerk 777 "
                                 "--shaper zv:150:0.2 --arm 150:0.2",
     "one count": "--distance 0.000001 --velocity 1 --acceleration 10 --jerk 500 --shaper zv:11:0 --arm 11:0",
+    "EI of two humps": "--distance 0.4 --velocity 1.2 --acceleration 20 --jerk 600 --shaper ei2:11:0.05 --arm 11:0.05",
+    "CV of three humps": "--distance -0.2 --velocity 1 --acceleration 15 --jerk 500 --shaper cv3:18.3:0.02 "
+                         "--arm 18.3:0.02",
     "no shaper": "--distance 0.1 --velocity 0.5 --acceleration 5 --jerk 100 --shaper none --arm 11:0.11",
 }
 

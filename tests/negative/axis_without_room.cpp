@@ -3,7 +3,7 @@
 #include "shaper/axis/axis.hpp"
 
 #ifdef MUST_NOT_COMPILE
-stillpoint::Axis<2> axis;
+stillpoint::Axis<6> axis;
 #else
-stillpoint::Axis<4> axis;
+stillpoint::Axis<7> axis;
 #endif

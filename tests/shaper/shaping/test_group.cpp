@@ -164,7 +164,7 @@ TEST_F(PathOfThreeAxes, equalised_axes_lag_alike_at_constant_velocity) {
   uint32_t taken = 0;
   for (int i = 0; i < 3; ++i) {
     TEST_ASSERT_OK(shapers[i].configure(each[i], line_memory + taken, kCapacity - taken, 0));
-    taken += each[i].line_length();
+    taken += static_cast<uint32_t>(Shaper::memory_needed(each[i]));
   }
   for (int tick = 1; tick <= 200; ++tick) {
     Signal out[3];
@@ -223,7 +223,7 @@ TEST_F(PathOfThreeAxes, a_velocity_that_switches_reaches_the_worst_lag) {
   TEST_ASSERT_OK(worst_lag(each, 2, line_memory, kCapacity, lag));
   Shaper first;
   Shaper second;
-  const uint32_t taken = each[0].line_length();
+  const size_t taken = Shaper::memory_needed(each[0]);
   const uint32_t length = each[0].length_ticks() + each[1].length_ticks();
   int32_t sign[256] = {};
   TEST_ASSERT_TRUE(length < 256);
@@ -245,11 +245,12 @@ TEST_F(PathOfThreeAxes, a_velocity_that_switches_reaches_the_worst_lag) {
   TEST_ASSERT_DOUBLE_RELATIVE(1e-9, lag.worst_ticks, static_cast<double>(apart) / static_cast<double>(velocity));
 }
 
-TEST_F(PathOfThreeAxes, a_memory_too_short_for_two_lines_is_refused) {
+TEST_F(PathOfThreeAxes, a_memory_too_short_for_two_shapers_is_refused) {
   ContourLag lag{5.0, 5.0, 5.0, 0, 0};
-  const Status status = worst_lag(each, 2, line_memory, 47 + 2 * 15 - 1, lag);
+  const size_t needed = (4 + 47) + (8 + 2 * 15);  // each 3-tap stage and its line
+  const Status status = worst_lag(each, 2, line_memory, needed - 1, lag);
   TEST_ASSERT_REFUSED(kLineTooShort, kDelay, status);
-  TEST_ASSERT_DOUBLE_WITHIN(0, 47 + 2 * 15, status.value);
+  TEST_ASSERT_DOUBLE_WITHIN(0, static_cast<double>(needed), status.value);
   TEST_ASSERT_DOUBLE_WITHIN(0, 5.0, lag.worst_ticks);
-  TEST_ASSERT_OK(worst_lag(each, 2, line_memory, 47 + 2 * 15, lag));
+  TEST_ASSERT_OK(worst_lag(each, 2, line_memory, needed, lag));
 }
