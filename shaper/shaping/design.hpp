@@ -69,7 +69,8 @@ struct PlacementReport {
 // sum |1 - p^-d|, below 4e-9 for ZV at zeta up to 0.3 and 1e-7 for the longest.
 // Refuses, naming the nearest value accepted: an invalid spec or tick; a frequency whose highest zero would pass
 // 0.49/dt, or so high that the ticks cannot hold the train, or so low that a stage would outlast kMaxStageTicks; a
-// tolerance that has no damped shaper; a design without room. `design` is then unchanged. `report` may be null.
+// tolerance that has no damped shaper; impulse times of a custom train that outlast a stage or, kNotAvailable, that the
+// ticks cannot hold; a design without room. `design` is then unchanged. `report` may be null.
 // Cost: ZV one exp, one sqrt, three sin or cos; the bounds of the others at prototype.hpp and grid_fit.hpp, as
 // instructions in tests/bench.
 Status add_shaper(const ShaperSpec& spec, double tick_s, ShaperDesign& design, PlacementReport* report = nullptr);

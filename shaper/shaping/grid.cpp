@@ -59,6 +59,20 @@ bool split_linearly(const Cascade& train, double cycles_a_tick, LinearSplit& spl
   return true;
 }
 
+// What the impulses leave at the mode, counted from the `last` tick.
+Complex wanted_transfer(const Cascade& train, double damping_ratio, double cycles_a_tick, double last) {
+  const double end = train.impulses[train.impulse_count - 1].time / cycles_a_tick;
+  const Complex left = transfer(train.impulses, train.impulse_count, 1.0, damping_ratio).value;
+  if (square_of(left) < math::square(kZeroByDesign)) return Complex{};
+  return math::exp(exponent_of(cycles_a_tick, damping_ratio).re * (end - last)) * left;
+}
+
+// Less than gains resolve. A long train that ends on a tick has no other tap that counts at the mode: nothing to solve.
+bool is_nothing(const double (&missing)[3]) {
+  constexpr double kNothing = 2e-10;
+  return math::abs(missing[0]) < kNothing && math::abs(missing[1]) < kNothing && math::abs(missing[2]) < kNothing;
+}
+
 }  // namespace
 
 Cascade cascade_on_grid(const Zero* zeros, uint32_t count, double cycles_a_tick) {
@@ -133,11 +147,8 @@ bool nearest_train_on_grid(const Cascade& train, double damping_ratio, double cy
   LinearSplit split;
   if (!split_linearly(train, cycles_a_tick, split)) return false;
   const double last = split.taps[split.count - 1].time;
-  const double end = train.impulses[train.impulse_count - 1].time / cycles_a_tick;
   const Complex exponent = exponent_of(cycles_a_tick, damping_ratio);
-  Complex wanted = transfer(train.impulses, train.impulse_count, 1.0, damping_ratio).value;
-  if (square_of(wanted) < math::square(kZeroByDesign)) wanted = Complex{};
-  wanted = math::exp(exponent.re * (end - last)) * wanted;
+  const Complex wanted = wanted_transfer(train, damping_ratio, cycles_a_tick, last);
 
   // change = C^T y with C C^T y = what the linear split misses
   double row[3][kMaxTaps];
@@ -148,6 +159,11 @@ bool nearest_train_on_grid(const Cascade& train, double damping_ratio, double cy
     row[1][i] = q.re;
     row[2][i] = q.im;
     for (int k = 0; k < 3; ++k) missing[k] -= row[k][i] * split.taps[i].amplitude;
+  }
+  out = Cascade{};
+  if (is_nothing(missing)) {
+    out.add(split.taps, split.count);
+    return true;
   }
   LinearSystem<3> system;
   system.clear(3);
@@ -162,7 +178,6 @@ bool nearest_train_on_grid(const Cascade& train, double damping_ratio, double cy
   for (uint32_t i = 0; i < split.count; ++i) {
     for (int k = 0; k < 3; ++k) split.taps[i].amplitude += row[k][i] * y[k];
   }
-  out = Cascade{};
   out.add(split.taps, split.count);
   return true;
 }

@@ -87,6 +87,17 @@ class Fit {
     return worst;
   }
 
+  // The same for people, 1 being what is asked. ln V is curved, so an edge may be further off than its miss says: one
+  // that is not within 1 % is.
+  double reported() {
+    constexpr double kOff = 1.1;
+    const double miss = measure() / kAskedFor;
+    for (uint32_t j = 0; j < targets_.count && miss < kOff; ++j) {
+      if (targets_.points[j].kind == PointKind::kEdge && is_edge_off(targets_.points[j].ratio)) return kOff;
+    }
+    return miss;
+  }
+
   // The change that removes the misses in the sense of least squares, small where there is a choice.
   bool step(double stiffness) {
     double slope[kMaxPoints][kMaxParameters];
@@ -130,6 +141,14 @@ class Fit {
   }
 
   double miss_of(uint32_t j) { return (value_of(j) - targets_.points[j].log_residual) / targets_.points[j].tolerance; }
+
+  bool is_edge_off(double ratio) const {
+    const double outward = ratio < 1.0 ? -0.01 : 0.01;
+    const auto tolerated = [&](double at) {
+      return log_residual(shaper_.taps, cycles_ * at, damping_ratio_).value <= targets_.log_tolerance;
+    };
+    return !tolerated(ratio * (1.0 - outward)) || (targets_.two_sided && tolerated(ratio * (1.0 + outward)));
+  }
 
   // What is above the tolerance, or would be with a little less; edges a little further in.
   double excess_of(uint32_t j) {
@@ -198,10 +217,15 @@ double descend(Fit& fit) {
   return miss;
 }
 
-// A negative gain is worth nearly what is asked of the band.
+// A negative gain is worth nearly what is asked of the band, and three times that more if it doubles the peaks. (At a
+// flat price one EI of 500 up to 100 Hz got gains of 2.3 in all to mend a lobe; now the largest of 1440 is 1.07, and 25
+// of 5909 bands are missed instead of 20.)
 double rated(double miss, const GridShaper& shaper) {
   const double price = miss > kClose ? miss : kClose;
-  return shaper.taps.has_negative() ? price + 0.9 * kAskedFor : price;
+  if (!shaper.taps.has_negative()) return price;
+  double size = 0.0;
+  for (uint32_t i = 0; i < shaper.taps.impulse_count; ++i) size += math::abs(shaper.taps.impulses[i].amplitude);
+  return price + kAskedFor * (0.9 + 3.0 * (size - shaper.taps.part_count));
 }
 
 // From several starts, until one ends where it may. Returns how the best is rated.
@@ -233,7 +257,7 @@ bool place(const Prototype& prototype, double cycles_a_tick, GridShaper& out) {
 }
 
 double band_miss(const BandTargets& targets, double damping_ratio, double cycles_a_tick, GridShaper& shaper) {
-  return Fit(targets, damping_ratio, cycles_a_tick, shaper).measure() / kAskedFor;
+  return Fit(targets, damping_ratio, cycles_a_tick, shaper).reported();
 }
 
 double fit_band(const BandTargets& targets, double damping_ratio, double cycles_a_tick, GridShaper& shaper) {
@@ -256,8 +280,7 @@ double fit_band(const BandTargets& targets, double damping_ratio, double cycles_
     miss = fit.measure();
   }
   shaper = best;
-  miss = fit.measure();
-  return miss / kAskedFor;
+  return fit.reported();
 }
 
 }  // namespace stillpoint
