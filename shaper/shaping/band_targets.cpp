@@ -36,7 +36,9 @@ void add_lobes(const Prototype& prototype, double damping_ratio, double from, do
   constexpr double kStep = 0.04;
   constexpr double kLeast = 5e-4;
   double slope_before = -1.0;
-  for (double ratio = from + kStep; ratio < limit - kStep; ratio += kStep) {
+  double ratio = from;
+  while (ratio + kStep < limit - kStep) {
+    ratio += kStep;
     const LogResidual here = log_residual(prototype.train, ratio, damping_ratio);
     if (here.value > targets.log_tolerance + kLobeNear) return;
     if (slope_before > 0.0 && here.slope < 0.0) {

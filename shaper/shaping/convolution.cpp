@@ -67,12 +67,15 @@ bool step(Offsets& offsets, double damping_ratio, double log_tolerance, double& 
   }
   double change[kMaxOffsets] = {};
   if (!system.solve(change)) return false;
-  for (double part = 1.0; part > 0.01; part *= 0.5) {
+  double part = 1.0;
+  for (int halved = 0; halved < 7; ++halved) {
     Offsets next = offsets;
     for (uint32_t i = 0; i < offsets.count(); ++i) next.k[i] += part * change[i];
-    if (!next.in_order()) continue;
-    offsets = next;
-    return true;
+    if (next.in_order()) {
+      offsets = next;
+      return true;
+    }
+    part *= 0.5;
   }
   return false;
 }

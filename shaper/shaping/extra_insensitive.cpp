@@ -71,7 +71,7 @@ Unknowns undamped_start(uint32_t humps, double v) {
   const Undamped closed = undamped(humps, v);
   Unknowns at{humps, {}, {}};
   for (uint32_t i = 0; i < at.count(); ++i) at.impulses[i] = Impulse{0.5 * i, closed.amplitude[i]};
-  for (uint32_t k = 0; 2 * k < at.zeros(); ++k) {
+  for (uint32_t k = 0; k < 2 && 2 * k < at.zeros(); ++k) {
     const double c = closed.cosine[k];
     const double x = 2 * k + 1 == at.zeros() ? 1.0 : math::atan2(math::sqrt(1.0 - c * c), c) / math::kPi;
     at.ratio[k] = x;

@@ -100,7 +100,7 @@ class Fit {
 
   // The change that removes the misses in the sense of least squares, small where there is a choice.
   bool step(double stiffness) {
-    double slope[kMaxPoints][kMaxParameters];
+    double slope[kMaxPoints][kMaxParameters] = {};
     for (uint32_t p = 0; p < count_; ++p) {
       if (!differentiate(p, slope)) return false;
     }
@@ -113,7 +113,7 @@ class Fit {
       }
       system.row[p][p] += stiffness;
     }
-    double change[kMaxParameters];
+    double change[kMaxParameters] = {};
     if (!system.solve(change)) return false;
     for (uint32_t p = 0; p < count_; ++p) parameters_[p].change(shaper_, change[p]);
     return valid() && build(cycles_, shaper_);
