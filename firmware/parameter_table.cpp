@@ -140,7 +140,7 @@ constexpr Parameter kParameters[kParameterCount] = {
     value(R::kPositionTimeMs, T::kU16, 0x6068, 0, kU16Max, 20, "position window time", "ms"),
 
     value(R::kModeCount, T::kU16, 0, 0, kMaxModes, 0, "modes staged", ""),
-    with(Effect::kShaperSet, value(R::kShaperSet, T::kU16, 0, 0, kShaperSets - 1, 0, "shaper set to edit and apply", "")),
+    with(Effect::kShaperSet, value(R::kShaperSet, T::kU16, 0, 0, kShaperSets - 1, 0, "shaper set", "")),
     mode(0, 0), mode(0, 2), mode(0, 3), mode(0, 4), mode(0, 5), mode(0, 6), mode(0, 7),
     mode(1, 0), mode(1, 2), mode(1, 3), mode(1, 4), mode(1, 5), mode(1, 6), mode(1, 7),
     mode(2, 0), mode(2, 2), mode(2, 3), mode(2, 4), mode(2, 5), mode(2, 6), mode(2, 7),
@@ -149,7 +149,7 @@ constexpr Parameter kParameters[kParameterCount] = {
     shown(R::kShaperState, T::kU16, 0, 0, "shaper state"),
     shown(R::kShaperRefusal, T::kU16, 0, 0, "shaper refusal reason"),
     shown(R::kActiveDelayUs, T::kU32, 0, 0, "active shaper's delay", "us"),
-    // Of the active shaper as it runs, all stages, at the modes that it was applied for; of several the worst, saturating.
+    // Of the active shaper as it runs, all stages, at the modes that it was applied for; the worst of them, saturating.
     // How far a mode may be off is its tolerance's business, not this number's.
     shown(R::kPredictedResidual, T::kU16, 0, 0, "predicted worst residual at the modes", "0.01 %"),
     value(R::kZeroDelay, T::kU16, 0, 0, 1, 0, "zero delay", ""),

@@ -146,7 +146,7 @@ void add_response(const PaperResponse& paper, ParkExperiments& all) {
 
 std::vector<ExactImpulse> impulses_as_run(const ShaperDesign& design, double tick_s) {
   constexpr int32_t kStepCounts = 1 << 20;  // a power of two: every amplitude is exact
-  std::vector<LineSample> line(design.line_length());
+  std::vector<LineSample> line(Shaper::memory_needed(design));
   Shaper shaper;
   require(shaper.configure(design, line.data(), line.size(), 0));
   const long double scale = static_cast<long double>(kStepCounts) * static_cast<long double>(kSignalPerCount);

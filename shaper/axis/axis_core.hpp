@@ -42,7 +42,7 @@ class AxisCore {
   // one shaper's output to the other's keeps the limits of the move; the new shaper then runs beside the old from the
   // next commit on and is active once the blend is over. While there is none it stays pending, `service` looks again
   // further on, and the next rest makes it active as kAtRest does: at the latest when the old shaper has drained.
-  // The move then ends with the new shaper's length. A search needs the memory of both shapers in the spare's; shapers too
+  // The move then ends with the new shaper's length. A search needs the memory of both shapers in the spare's; too
   // long for that wait for rest. Cost: see BlendSearch, and 2 to 3 KB of stack.
   Status set_shaper(const ShaperDesign& design, Retune when = Retune::kAtRest);
 
@@ -56,8 +56,8 @@ class AxisCore {
   // True while a command or a shaper waits for a tick that allows a commit, and until a blended shaper is active.
   bool pending() const;
 
-  // The shaper in force (after the pending one took effect, after the blend to it): put together from what runs, so keep
-  // it rather than ask twice.
+  // The shaper in force (after the pending one took effect, after the blend to it): put together from what runs, so
+  // keep it rather than ask twice.
   ShaperDesign shaper() const;
 
   const AxisConfig& config() const { return config_; }

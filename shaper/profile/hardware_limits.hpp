@@ -10,8 +10,8 @@
 namespace stillpoint {
 
 // SI units; whatever is 0 is not known and limits nothing. Position is linear: a screw of `pitch_m` behind a gear that
-// turns the motor `gear_ratio` times for one turn of the screw. A linear motor has a force constant, and a pitch only if
-// its encoder is counted by it.
+// turns the motor `gear_ratio` times for one turn of the screw. A linear motor has a force constant, and a pitch only
+// if its encoder is counted by it.
 struct Hardware {
   double motor_rpm;            // of the motor, at the most
   double gear_ratio;           // 0: 1
@@ -38,8 +38,8 @@ struct Hardware {
   double acceleration_error_constant;  // 1/s^2
   double max_following_error_m;
 
-  // Refuses, naming the quantity, the first that is not finite or below zero, an efficiency above 1, both a torque and a
-  // force constant.
+  // Refuses, naming the quantity, the first that is not finite or below zero, an efficiency above 1, both a torque and
+  // a force constant.
   Status validate() const;
 };
 
@@ -83,8 +83,8 @@ struct HardwareLimits {
 };
 
 // F = 2 pi tau eta_screw / pitch, tau = Kt i n eta_gear (or F = Kf i), minus friction, over the mass. The velocity and
-// acceleration that bind keep the following error v / Kv + a / Ka within its bound together. Refuses what validate() refuses; and kAboveMaximum
-// friction, with the motor's force, where nothing is left to accelerate with.
+// acceleration that bind keep the following error v / Kv + a / Ka within its bound together. Refuses what validate()
+// refuses; and kAboveMaximum friction, with the motor's force, where nothing is left to accelerate with.
 Status hardware_limits(const Hardware& hardware, HardwareLimits& out);
 
 }  // namespace stillpoint

@@ -70,13 +70,14 @@ struct PlacementReport {
 // sum |1 - p^-d|, below 4e-9 for ZV at zeta up to 0.3 and 1e-7 for the longest.
 // Refuses, naming the nearest value accepted: an invalid spec or tick; a frequency whose highest zero would pass
 // 0.49/dt, or so high that the ticks cannot hold the train, or so low that a stage would outlast kMaxStageTicks; a
-// tolerance that has no damped shaper; a design without room. `design` is then unchanged. `report` may be null.
+// tolerance that has no damped shaper; impulse times of a custom train that outlast a stage or, kNotAvailable, that the
+// ticks cannot hold; a design without room. `design` is then unchanged. `report` may be null.
 // Cost: ZV one exp, one sqrt, three sin or cos; the bounds of the others at prototype.hpp and grid_fit.hpp. Measured
 // (tests/bench, Cortex-M4 with doubles in software), millions of instructions, the worst of 11, 37.3 and 90 Hz with
 // damping 0, 0.1 and 0.3: ZV 0.03, MZV 0.1, UM-ZV 0.3, ZVD 6, CV1 24, ZVDDD 33, EI 49, CV2 51, ZVDD 69, CV3 377, EI3
 // 638 (a refusal), EI2 2407, CV4 3691: 44 s at 168 MHz and two cycles an instruction, where the band of a damped shaper
-// at a few ticks a period is hard to keep; the quickest of its nine takes 37. So `meanwhile` is called at least every 20
-// million. Stack: 13.8 KB.
+// at a few ticks a period is hard to keep; the quickest of its nine takes 37. So `meanwhile` is called at least every
+// 20 million. Stack: 13.8 KB.
 Status add_shaper(const ShaperSpec& spec, double tick_s, ShaperDesign& design, PlacementReport* report = nullptr,
                   Meanwhile meanwhile = {});
 

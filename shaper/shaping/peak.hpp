@@ -12,10 +12,10 @@ struct Peak {
 };
 
 // The top of the hump between two neighbouring zeros (or deep minima) of the residual. Damped ZV factors have further
-// minima at odd multiples of their zeros, so a hump may have several tops, some nearly as high: 11 points are looked at,
-// 60 in a hump so wide (beyond 1.6 times `low`) that it may hold such a minimum, and the highest is refined. (With 11
-// there too, 10 of 7440 convolutions had a hump up to 3 % above the tolerance.) Bounded: at most 25 evaluations more,
-// usually 5.
+// minima at odd multiples of their zeros, so a hump may have several tops, some nearly as high: 11 points are looked
+// at, 60 in a hump so wide (beyond 1.6 times `low`) that it may hold such a minimum, and the highest is refined. (With
+// 11 there too, 10 of 7440 convolutions had a hump up to 3 % above the tolerance.) Bounded: at most 25 evaluations
+// more, usually 5.
 // Method: the slope of ln V runs from +1/(x - low) to -1/(high - x), so slope times both distances is nearly linear
 // about the top: false position on it, with the Illinois weight. The height errs by the square of the frequency's
 // error, below 1e-13.

@@ -24,9 +24,9 @@ struct Candidate {
 };
 
 // Tries one. Its numbers are rounded to what the drive's registers hold (1e-4 Hz, 1e-5 of damping, 1e-4 of a period,
-// 0.01 %), put on the ticks, and measured there over the whole band; where that is above the tolerance, it is made again
-// for a little less, at most kRecommendRounds times. A candidate that does not keep the band comes back as near as it
-// came, to say why it lost. `band` valid, tolerance within kMinTolerance to kMaxTolerance. Cost: kRecommendRounds
+// 0.01 %), put on the ticks, and measured there over the whole band; where that is above the tolerance, it is made
+// again for a little less, at most kRecommendRounds times. A candidate that does not keep the band comes back as near
+// as it came, to say why it lost. `band` valid, tolerance within kMinTolerance to kMaxTolerance. Cost: kRecommendRounds
 // designs and band checks at the most, two mostly.
 constexpr int kRecommendRounds = 8;
 Candidate try_candidate(uint32_t index, const ModeBand& band, double tolerance, double tick_s);

@@ -41,10 +41,15 @@ Complex turned(const Complex& exponent, double time, double end) {
 Transfer transfer(const Impulse* train, uint32_t count, double frequency, double damping_ratio) {
   const Complex unit = exponent_of(1.0, damping_ratio);
   const double end = train[count - 1].time;
+  const Complex exponent = frequency * unit;
+  const Complex tick = math::exp(exponent);  // from a tap to its neighbour
+  Complex turn{};
   Transfer sum{};
   for (uint32_t i = 0; i < count; ++i) {
     const double before_end = train[i].time - end;
-    const Complex term = train[i].amplitude * turned(frequency * unit, train[i].time, end);
+    const bool is_neighbour = i > 0 && train[i].time - train[i - 1].time == 1.0;
+    turn = is_neighbour ? tick * turn : turned(exponent, train[i].time, end);
+    const Complex term = train[i].amplitude * turn;
     sum.value += term;
     sum.slope += Complex{unit.re * before_end, unit.im * train[i].time} * term;
   }

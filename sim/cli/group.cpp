@@ -23,10 +23,9 @@ struct Way {
 };
 
 Way way_of(const char* name, const std::vector<ShaperDesign>& axes) {
-  uint32_t longest = 0;
-  for (const ShaperDesign& axis : axes) longest = std::max(longest, axis.line_length());
-  // Room for two lines, and for the stages and taps that lie before them.
-  std::vector<LineSample> memory(2 * (size_t{longest} + 1024));
+  size_t longest = 0;
+  for (const ShaperDesign& axis : axes) longest = std::max(longest, Shaper::memory_needed(axis));
+  std::vector<LineSample> memory(2 * longest);
   Way way{name, cost_of(axes.data(), axes.size()), {}};
   sim::require(worst_lag(axes.data(), axes.size(), memory.data(), memory.size(), way.lag));
   return way;
