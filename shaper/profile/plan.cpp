@@ -109,13 +109,6 @@ void append_ramp(Plan& plan, const Ramp& ramp, double velocity, double sign) {
 // Limits past any use, kept where their products are finite.
 double moderate(double limit) { return limit < 1e60 ? limit : 1e60; }
 
-// T above a whole number of ticks by no more than its own rounding error counts as whole: 1.51 s is 1510 ticks.
-uint32_t whole_ticks(double ticks) {
-  constexpr double kRounding = 16.0 * DBL_EPSILON;
-  const double whole = math::ceil(ticks * (1.0 - kRounding));
-  return whole < 1.0 ? 1 : static_cast<uint32_t>(whole);
-}
-
 void scale(Ramp& ramp, double factor) {
   ramp.jerk_ticks *= factor;
   ramp.constant_ticks *= factor;
@@ -136,6 +129,12 @@ void write_segments(Plan& plan, Phases phases, uint32_t duration_ticks) {
 }
 
 }  // namespace
+
+uint32_t whole_ticks(double ticks) {
+  constexpr double kRounding = 16.0 * DBL_EPSILON;
+  const double whole = math::ceil(ticks * (1.0 - kRounding));
+  return whole < 1.0 ? 1 : static_cast<uint32_t>(whole);
+}
 
 Status plan_rest_to_rest(double distance, const AxisLimits& limits, ProfileKind kind, double tick_s, Plan& out) {
   if (!math::is_finite(distance)) return refuse(Error::kNotFinite, Quantity::kDistance, distance);

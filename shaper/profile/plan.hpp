@@ -20,7 +20,7 @@ struct Segment {
   double jerk;          // unit/tick^3
 };
 
-constexpr size_t kMaxSegments = 7;
+constexpr size_t kMaxSegments = 10;                        // from rest to rest 7; see plan_from.hpp for the others
 constexpr uint32_t kMaxDurationTicks = UINT32_C(1) << 30;  // 12 days at 1 ms
 
 struct Plan {
@@ -51,6 +51,10 @@ Status plan_rest_to_rest(double distance, const AxisLimits& limits, ProfileKind 
 // by 1/k, acceleration by 1/k^2, jerk by 1/k^3 (Li 2017, section 3). Refuses 0 ticks for a distance that is not zero,
 // and more than kMaxDurationTicks.
 Status stretch(Plan& plan, uint32_t duration_ticks);
+
+// The least number of ticks, 1 at least, that `ticks` fit into; above a whole number by no more than rounding counts as
+// whole: 1.51 s is 1510 ticks.
+uint32_t whole_ticks(double ticks);
 
 Peaks peaks_of(const Plan& plan, double tick_s);
 

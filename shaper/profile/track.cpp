@@ -71,7 +71,8 @@ class Times {
   uint32_t longest_ = 0;
 };
 
-// A segment this short is a step of the velocity in its middle: its acceleration would be subtracted again at once.
+// A segment this short whose acceleration begins with a step is a step of the velocity in its middle: its acceleration
+// would be subtracted again at once.
 constexpr double kStepTicks = 1.0 / 1024.0;
 
 // Where the acceleration is continuous its two figures differ by rounding, which must not become a step.
@@ -89,7 +90,8 @@ void add_segments(Track& track, const Plan& plan) {
   for (uint32_t i = 0; i < plan.segment_count; ++i) {
     const Segment& segment = plan.segments[i];
     const double ticks = segment.duration_ticks;
-    if (ticks < kStepTicks && segment.jerk == 0.0) {
+    if (ticks < kStepTicks && segment.jerk == 0.0 && segment.acceleration != 0.0 &&
+        step_between(acceleration, segment.acceleration) != 0.0) {
       add_change(track, times.at(i, ticks / 2.0), segment.acceleration * ticks, 0.0, 0.0);
       continue;
     }

@@ -90,8 +90,8 @@ class BandFit {
     return worst;
   }
 
-  // The same for people, 1 being what is asked. Edges are looked for, not taken from ln V where they should be: a lobe on
-  // the way may end the band before.
+  // The same for people, 1 being what is asked. Edges are looked for, not taken from ln V where they should be: a lobe
+  // on the way may end the band before.
   double reported() {
     static_cast<void>(measure());
     double worst = 0.0;
