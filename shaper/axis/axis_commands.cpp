@@ -65,6 +65,7 @@ Status AxisCore::command(const Move& move, MoveReport* report) {
   Plan plan{};
   if (status.ok()) status = plan_rest_to_rest(distance, move.limits, move.kind, config_.tick_s, plan);
   const uint32_t least_ticks = plan.duration_ticks;
+  if (status.ok() && !running().averages()) status = slow_down_for_shaper(move, start, plan);
   MoveReport result{0, 0, plan.optimum_ticks, false};
   if (status.ok()) {
     status = move.zero_delay ? time_zero_delay(move, start, plan, result) : time_plainly(move, plan, result);
@@ -78,6 +79,31 @@ Status AxisCore::command(const Move& move, MoveReport* report) {
   move_sped_up_ = plan.duration_ticks < least_ticks;
   hand_over(kMove, epoch);
   return kOk;
+}
+
+// Negative gains may raise peaks. Slowed down by the factor k, the first three differences stay within G v / k,
+// G a / k^2 and G j / k^3 of either sign, G the peak gain: so k = max(G, sqrt(G r)), r the larger of the accelerations
+// over the smaller, is certainly enough. Moves short enough to be looked at are slowed down no more than they need.
+Status AxisCore::slow_down_for_shaper(const Move& move, Signal start, Plan& plan) {
+  if (plan.distance == 0.0) return kOk;
+  const uint32_t spare = active_shaper_ ^ 1;
+  const Status status = shapers_[spare].configure(running(), memory_[spare], capacity_, start);
+  if (!status.ok()) return status;
+  const AxisLimits& limits = move.limits;
+  const double gain = shaper().peak_gain();
+  const double ratio = limits.acceleration / limits.deceleration;
+  const double by_acceleration = math::sqrt(gain * (ratio > 1.0 ? ratio : 1.0 / ratio));
+  const double enough = math::ceil(plan.duration_ticks * (by_acceleration > gain ? by_acceleration : gain));
+  if (enough > kMaxDurationTicks)
+    return refuse(Error::kAboveMaximum, Quantity::kDuration, enough * config_.tick_s,
+                  kMaxDurationTicks * config_.tick_s);
+  uint32_t ticks = static_cast<uint32_t>(enough);
+  if (plan.duration_ticks <= kLongestSearchTicks) {
+    ShapedMoveCheck check(plan, limits, move.kind, config_.tick_s, shapers_[spare], tracks_[active_track_ ^ 1], start,
+                          signal_from_counts(move.target_counts));
+    ticks = check.least_slowed_ticks(plan.duration_ticks, ticks);
+  }
+  return stretch(plan, ticks);
 }
 
 Status AxisCore::time_plainly(const Move& move, Plan& plan, MoveReport& report) const {
@@ -109,7 +135,8 @@ Status AxisCore::time_zero_delay(const Move& move, Signal start, Plan& plan, Mov
   const uint32_t available = wanted > length ? wanted - length : 0;
   if (available < plan.duration_ticks) {
     uint32_t least = plan.duration_ticks;
-    if (available > 0) binding = sustained_limit(plan, length);
+    // For a shaper that may raise peaks the plan is below its limits already: nothing is sustained.
+    if (available > 0) binding = running().averages() ? sustained_limit(plan, length) : Quantity::kNone;
     if (binding == Quantity::kNone) {
       binding = plan.duration_ticks > kLongestSearchTicks ? Quantity::kDuration : check.broken_at(available);
       if (binding != Quantity::kNone) least = check.least_ticks(available, plan.duration_ticks, binding);

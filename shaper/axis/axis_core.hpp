@@ -91,6 +91,7 @@ class AxisCore {
   Status check_ready() const;
   void offer_blend(uint32_t epoch, const AxisState& now);
   bool find_blend(const AxisState& now);
+  Status slow_down_for_shaper(const Move& move, Signal start, Plan& plan);
   Status time_plainly(const Move& move, Plan& plan, MoveReport& report) const;
   Status time_zero_delay(const Move& move, Signal start, Plan& plan, MoveReport& report);
   void hand_over(Pending what, uint32_t epoch);

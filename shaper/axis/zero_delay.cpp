@@ -78,4 +78,16 @@ uint32_t ShapedMoveCheck::least_ticks(uint32_t too_short, uint32_t enough, Quant
   return enough;
 }
 
+uint32_t ShapedMoveCheck::least_slowed_ticks(uint32_t from, uint32_t enough) {
+  Quantity binding = broken_at(from);
+  if (binding == Quantity::kNone) return from;
+  if (enough <= kLongestSearchTicks) return least_ticks(from, enough, binding);
+  constexpr uint32_t kPercent[] = {101, 103, 110, 130, 170};
+  for (size_t i = 0; i < sizeof kPercent / sizeof kPercent[0]; ++i) {
+    const uint32_t ticks = from / 100 * kPercent[i] + from % 100 * kPercent[i] / 100;
+    if (ticks < enough && broken_at(ticks) == Quantity::kNone) return ticks;
+  }
+  return enough;
+}
+
 }  // namespace stillpoint

@@ -39,6 +39,10 @@ class ShapedMoveCheck {
   // binds just below it comes back in `binding`.
   uint32_t least_ticks(uint32_t too_short, uint32_t enough, Quantity& binding);
 
+  // The least profile duration in [from, enough], given that `enough` keeps the limits, for a shaper that raises peaks:
+  // by bisection up to kLongestSearchTicks; beyond, the first of a few durations from 1 % to 70 % longer, or `enough`.
+  uint32_t least_slowed_ticks(uint32_t from, uint32_t enough);
+
  private:
   Plan plan_;
   Shaper& scratch_;

@@ -64,6 +64,8 @@ class BandFit {
   };
 
   bool can_move() const { return count_ > 0; }
+  // One of the steps that all descents have together.
+  bool spend_step() { return steps_left_-- > 0; }
   GridShaper& shaper() { return shaper_; }
   Measured& measured() { return at_; }
 
@@ -99,6 +101,7 @@ class BandFit {
       const BandPoint& point = targets_.points[j];
       double miss = 0.0;
       if (point.kind == PointKind::kHump) miss = math::abs(at_.miss[j]) / kAskedFor;
+      meanwhile_();
       if (point.kind == PointKind::kEdge) miss = edge_miss(point.ratio);
       if (miss > worst) worst = miss;
     }
@@ -169,7 +172,8 @@ class BandFit {
     const double zero = shaper_.zeros[is_low ? 0 : shaper_.zero_count - 1].ratio;
     const double inside = zero + 0.25 * (wanted - zero);
     const double step = 0.02 < 0.125 * inside ? 0.02 : 0.125 * inside;
-    const double limit = is_low ? 0.0 : 0.5;
+    const double far = kHighestEdge * cycles_;
+    const double limit = is_low ? 0.0 : far < 0.5 ? far : 0.5;
     const double run = edge_towards(shaper_.taps, damping_ratio_, targets_.log_tolerance + 1e-9, cycles_ * inside,
                                     limit, cycles_ * step) /
                        (cycles_ * wanted);
@@ -235,6 +239,7 @@ class BandFit {
   uint32_t count_ = 0;
   Parameter parameters_[kMaxFitParameters] = {};
   Measured at_ = {};
+  int steps_left_ = kFitSteps;
 };
 
 }  // namespace stillpoint

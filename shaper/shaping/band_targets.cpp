@@ -8,7 +8,6 @@ namespace {
 constexpr double kHumpTolerance = 2e-4;      // of V
 constexpr double kHumpTolerancePart = 4e-3;  // and of the tolerance at the most
 constexpr double kEdgeTolerance = 2e-3;      // of the edge's frequency
-constexpr double kHighestEdge = 6.0;         // edges above are not looked for
 constexpr double kLobeNear = 0.3;            // of ln V
 
 void add_humps(const Prototype& prototype, double damping_ratio, double tolerance, BandTargets& targets) {

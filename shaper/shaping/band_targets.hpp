@@ -12,6 +12,8 @@ namespace stillpoint {
 // too few ticks for that, no hump may be higher than the tolerance and the band no narrower.
 constexpr double kTwoSidedCyclesATick = 0.1;
 
+constexpr double kHighestEdge = 6.0;  // over the mode's frequency; edges above are not looked for
+
 enum class PointKind : uint8_t {
   kHump,  // the top between two zeros
   kEdge,  // where the prototype leaves the tolerance

@@ -74,10 +74,9 @@ struct PlacementReport {
 // ticks cannot hold; a design without room. `design` is then unchanged. `report` may be null.
 // Cost: ZV one exp, one sqrt, three sin or cos; the bounds of the others at prototype.hpp and grid_fit.hpp. Measured
 // (tests/bench, Cortex-M4 with doubles in software), millions of instructions, the worst of 11, 37.3 and 90 Hz with
-// damping 0, 0.1 and 0.3: ZV 0.03, MZV 0.1, UM-ZV 0.3, ZVD 6, CV1 24, ZVDDD 33, EI 49, CV2 51, ZVDD 69, CV3 377, EI3
-// 638 (a refusal), EI2 2407, CV4 3691: 44 s at 168 MHz and two cycles an instruction, where the band of a damped shaper
-// at a few ticks a period is hard to keep; the quickest of its nine takes 37. So `meanwhile` is called at least every
-// 20 million. Stack: 13.8 KB.
+// damping 0, 0.1 and 0.3: ZV 0.03, MZV 0.1, UM-ZV 0.3, ZVD 13, CV1 45, ZVDDD 51, ZVDD 57, EI 68, CV2 91, CV3 533, EI2
+// 625, CV4 887, EI3 1358 (a refusal): 16 s at 168 MHz and two cycles an instruction; the least of nine is 7 to 59. So
+// `meanwhile` is called at least every 43 million. Stack: 17 KB.
 Status add_shaper(const ShaperSpec& spec, double tick_s, ShaperDesign& design, PlacementReport* report = nullptr,
                   Meanwhile meanwhile = {});
 

@@ -24,7 +24,7 @@ double descend(BandFit& fit) {
   constexpr double kLeastStiffness = 1e-2;
   double miss = fit.measure();
   double stiffness = kFirstStiffness;
-  for (int i = 0; i < kFitSteps && miss > kClose; ++i) {
+  for (int i = 0; i < kFitStepsAStart && miss > kClose && fit.spend_step(); ++i) {
     const GridShaper kept = fit.shaper();
     const BandFit::Measured before = fit.measured();
     const double now = fit.step(stiffness) ? fit.measure(false) : miss + 1.0;

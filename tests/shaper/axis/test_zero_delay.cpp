@@ -116,3 +116,37 @@ TEST_F(PapersArm, random_zero_delay_moves_keep_their_limits_or_are_refused_with_
     TEST_ASSERT_AT_MOST_INT64(report.total_ticks, run(target));
   }
 }
+
+// "Limits hold on what leaves": a shaper with negative gains may raise peaks, so its moves are slowed down.
+TEST_F(PapersArm, a_shaper_that_raises_peaks_gets_moves_that_keep_the_limits_all_the_same) {
+  const uint64_t seed = 33;
+  TEST_INFO("seed", seed);
+  Random random(seed);
+  ShaperDesign design{};
+  TEST_ASSERT_OK(add_shaper(ShaperKind::kUmZv, Mode{11.0, 0.02}, kTick, design));
+  TEST_ASSERT_OK(axis.set_shaper(design));
+  axis.tick();
+  int32_t at = 0;
+  for (int i = 0; i < 12; ++i) {
+    TEST_INFO("case", i);
+    const int32_t target = static_cast<int32_t>(random.integer(-2000000, 2000000));
+    const bool zero_delay = i % 3 == 2;
+    const AxisLimits asked{limits.velocity, limits.acceleration, limits.deceleration * random.between(0.2, 1.0),
+                           limits.jerk};
+    MoveReport report{};
+    TEST_ASSERT_OK(axis.command(Move{target, ProfileKind::kSCurve, asked, 0.0, zero_delay}, &report));
+    StreamCheck check(signal_from_counts(at), target >= at, asked, kTick);
+    uint32_t ticks = 0;
+    do {
+      check.next(axis.tick());
+      ++ticks;
+    } while (axis.state().phase != AxisPhase::kAtRest);
+    for (int k = 0; k < 4; ++k) check.next(axis.state().setpoint);
+    TEST_ASSERT_TRUE(check.within(axis.shaper().stage_count));
+    TEST_ASSERT_EQUAL_INT64(signal_from_counts(target), axis.state().setpoint);
+    TEST_ASSERT_AT_MOST_INT64(report.total_ticks + 1, ticks);
+    // Less than twice the plain time: not simply slowed down by the peak gain of three.
+    TEST_ASSERT_AT_MOST_DOUBLE(2.0 * report.optimum_ticks + design.length_ticks(), report.total_ticks);
+    at = target;
+  }
+}
