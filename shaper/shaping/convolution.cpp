@@ -49,7 +49,7 @@ double after_ratio(const Prototype& at, uint32_t i, double frequency) {
 bool step(Offsets& offsets, double damping_ratio, double log_tolerance, double& miss) {
   Prototype at;
   fill(offsets, damping_ratio, at);
-  LinearSystem<kMaxOffsets> system;
+  LinearSystem<kMaxOffsets> system = {};
   system.clear(offsets.count());
   miss = 0.0;
   for (uint32_t j = 0; j < offsets.count(); ++j) {
