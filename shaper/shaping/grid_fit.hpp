@@ -25,7 +25,7 @@ struct GridShaper {
 
 // Moves the zeros of a placed cascade or band shaper, all but one on the mode, where a hump or an edge is off by more
 // than it may; where it cannot bring it back it comes as near as it can. Levenberg and Marquardt's descent from at most
-// kFitStarts starts, again if impulses move to other ticks, kFitSteps steps in all (with 80 instead of 48, 52 of 11,800
+// kFitStarts starts, again if impulses move to other ticks, kFitSteps steps in all (with 80 instead of 48, 52 of 12,816
 // designs up to 100 Hz would miss instead of 61); what is placed already satisfies two thirds of all designs, four
 // steps most. Returns the largest miss left, 1 being what is asked.
 constexpr int kFitStarts = 7;
