@@ -38,7 +38,7 @@ void check(const ModeBand& band, double tolerance, double tick_s) {
   }
   require_between("damping from", band.low_damping, 0.0, kMaxDampingRatio);
   require_between("damping to", band.high_damping, band.low_damping, kMaxDampingRatio);
-  require_between("tolerance", tolerance, kLeastTolerance, kMostTolerance);
+  require_between("tolerance", tolerance, kMinTolerance, kMaxTolerance);
 }
 
 // Bisects over the length. The least residual can only fall with it: a tick more allows every train there was before,

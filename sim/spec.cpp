@@ -24,13 +24,6 @@ ShaperKind parse_kind(const std::string& text) {
   throw bad_argument("shaper type", text, "not a known type, accepted: " + all + "none");
 }
 
-double parse_within(const std::string& text, const char* what, double low, double high) {
-  const double value = parse_number(text, what);
-  if (value < low || value > high)
-    throw bad_argument(what, text, "out of range, " + shortest(low) + " to " + shortest(high) + " is accepted");
-  return value;
-}
-
 void parse_key(const std::string& pair, SpecifiedShaper& spec) {
   const size_t equals = pair.find('=');
   const std::string key = pair.substr(0, equals);

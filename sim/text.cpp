@@ -84,6 +84,14 @@ std::vector<std::string> split(std::string_view text, char separator) {
   }
 }
 
+double parse_within(std::string_view text, const std::string& what, double low, double high) {
+  const double value = parse_number(text, what);
+  if (value < low || value > high)
+    throw bad_argument(what, std::string(text),
+                       "out of range, " + shortest(low) + " to " + shortest(high) + " is accepted");
+  return value;
+}
+
 std::string trimmed(std::string_view text) {
   const size_t first = text.find_first_not_of(" \t\r");
   if (first == std::string_view::npos) return "";

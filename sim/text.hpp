@@ -22,6 +22,8 @@ inline std::string exact_counts(Signal signal) { return exact_decimal(signal, kS
 double parse_number(std::string_view text, const std::string& what);
 // The same, and above zero.
 double parse_positive(std::string_view text, const std::string& what);
+// The same as parse_number, and in [low, high].
+double parse_within(std::string_view text, const std::string& what, double low, double high);
 // All of `text` as an integer in [low, high].
 int64_t parse_integer(std::string_view text, const std::string& what, int64_t low, int64_t high);
 

@@ -8,12 +8,6 @@ void Cascade::add(const Impulse* train, uint32_t count) {
   for (uint32_t i = 0; i < count; ++i) impulses[impulse_count++] = train[i];
 }
 
-double Cascade::delay() const {
-  double sum = 0.0;
-  for (uint32_t i = 0; i < impulse_count; ++i) sum += impulses[i].time * impulses[i].amplitude;
-  return sum;
-}
-
 double Cascade::length() const {
   double sum = 0.0;
   for (uint32_t i = 0; i < part_count; ++i) sum += impulses[parts[i].first + parts[i].count - 1].time;

@@ -30,8 +30,7 @@ struct Cascade {
 
   // Adds a train. The caller keeps the capacities.
   void add(const Impulse* train, uint32_t count);
-  // Centroid of the impulses, and the time of the last one.
-  double delay() const;
+  // The time of the last impulse.
   double length() const;
   // An amplitude below zero by more than rounds to nothing at 2^-30.
   bool has_negative() const;

@@ -53,9 +53,7 @@ Question question_of(const RecommendOptions& options) {
   question.band.low_damping = sim::parse_number(damping[0], "--damping");
   question.band.high_damping =
       damping.size() == 2 ? sim::parse_number(damping[1], "--damping") : question.band.low_damping;
-  question.tolerance = sim::parse_number(options.tolerance, "--tolerance");
-  if (question.tolerance < kMinTolerance || question.tolerance > kMaxTolerance)
-    throw sim::bad_argument("--tolerance", options.tolerance, "out of range, 0.001 to 0.2 is accepted");
+  question.tolerance = sim::parse_within(options.tolerance, "--tolerance", kMinTolerance, kMaxTolerance);
   sim::require(question.band.validate(question.tick_s));
   return question;
 }

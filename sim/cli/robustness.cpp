@@ -88,9 +88,7 @@ void print_as_json(double tolerance) {
 }
 
 int run(const std::string& tolerance_text, const Output& output) {
-  const double tolerance = sim::parse_number(tolerance_text, "--tolerance");
-  if (tolerance < kMinTolerance || tolerance > kMaxTolerance)
-    throw sim::bad_argument("--tolerance", tolerance_text, "out of range, 0.001 to 0.2 is accepted");
+  const double tolerance = sim::parse_within(tolerance_text, "--tolerance", kMinTolerance, kMaxTolerance);
   if (output.json) {
     print_as_json(tolerance);
   } else {

@@ -2,30 +2,16 @@
 // `stillpoint park` as a program.
 #include <cstdlib>
 #include <filesystem>
-#include <nlohmann/json.hpp>
 #include <string>
 
-#include "tests/sim/program.hpp"
-#include "tests/support/test.hpp"
+#include "tests/sim/cli_checks.hpp"
 
+using stillpoint::testing::check_refused;
+using stillpoint::testing::Json;
 using stillpoint::testing::Outcome;
 using stillpoint::testing::read_text;
 using stillpoint::testing::run_program;
 using stillpoint::testing::scratch_file;
-using Json = nlohmann::json;
-
-namespace {
-
-void check_refused(const std::string& error, const std::string& arguments) {
-  TEST_INFO(arguments, arguments);
-  const Outcome outcome = run_program(arguments);
-  TEST_INFO(errors, outcome.errors);
-  TEST_ASSERT_EQUAL_INT32(2, outcome.exit_code);
-  TEST_ASSERT_TRUE(outcome.errors.rfind("stillpoint: error: " + error, 0) == 0);
-  TEST_ASSERT_TRUE(outcome.output.empty());
-}
-
-}  // namespace
 
 TEST_HOST(park_prints_every_experiment_as_json) {
   const Outcome outcome = run_program("park --json");
@@ -63,10 +49,10 @@ TEST_HOST(park_prints_a_table_and_writes_the_traces) {
 }
 
 TEST_HOST(park_refuses_what_it_does_not_know) {
-  check_refused("option: --shaper: not known to `park`, accepted: ", "park --shaper zv:4:0");
-  check_refused("argument: now: not known to `park`, accepted: ", "park now");
-  check_refused("--plot: park.pdf: ", "park --plot park.pdf");
-  check_refused("--csv: /nowhere/x.csv: ", "park --csv /nowhere/x.csv");
+  check_refused(2, "option: --shaper: not known to `park`, accepted: ", "park --shaper zv:4:0");
+  check_refused(2, "argument: now: not known to `park`, accepted: ", "park now");
+  check_refused(2, "--plot: park.pdf: ", "park --plot park.pdf");
+  check_refused(2, "--csv: /nowhere/x.csv: ", "park --csv /nowhere/x.csv");
 }
 
 TEST_HOST(park_draws_the_time_responses_where_gnuplot_is) {
