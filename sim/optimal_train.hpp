@@ -26,9 +26,9 @@ using PartDone = std::function<void(double part_done)>;
 // The least N for which gains at the ticks 0..N keep V(w, zeta) of Park (1) at or below `tolerance` all over the band,
 // and, of the trains of that length, one whose largest V is the least (to 1e-4 of it). Few of its gains are above zero:
 // about as many as V has peaks at its largest. Throws a Refusal: bad_argument for a tolerance outside kMinTolerance to
-// kMaxTolerance, a band wider than kWidestBand, damping above kMaxDampingRatio, or a band that reaches half the tick rate. Takes 1 to 200 ms for a band
-// of up to a factor of six, whatever the tick; up to 10 s for a factor of 20 at 1 %. Decided to 1e-6 of the tolerance:
-// a shorter train within that of it may be missed.
+// kMaxTolerance, a band wider than kWidestBand, damping above kMaxDampingRatio, or a band that reaches half the tick
+// rate. Takes 1 to 200 ms for a band of up to a factor of six, whatever the tick; up to 10 s for a factor of 20 at 1 %.
+// Decided to 1e-6 of the tolerance: a shorter train within that of it may be missed.
 OptimalTrain shortest_positive_train(const ModeBand& band, double tolerance, double tick_s,
                                      const PartDone& part_done = {});
 
