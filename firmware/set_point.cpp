@@ -15,7 +15,8 @@ Register culprit_of(const Status& status) {
     case Quantity::kVelocity: return Register::kProfileVelocity;
     case Quantity::kAcceleration: return Register::kProfileAcceleration;
     case Quantity::kDeceleration: return Register::kProfileDeceleration;
-    case Quantity::kJerk: return Register::kProfileJerk;
+    case Quantity::kJerk:
+    case Quantity::kDecelerationJerk: return Register::kProfileJerk;
     case Quantity::kDistance:
     case Quantity::kPosition: return Register::kTargetPosition;
     case Quantity::kDuration: return Register::kMoveDurationMs;

@@ -15,6 +15,7 @@ bool in_counts(Quantity quantity) {
     case Quantity::kAcceleration:
     case Quantity::kDeceleration:
     case Quantity::kJerk:
+    case Quantity::kDecelerationJerk:
     case Quantity::kDistance:
     case Quantity::kPosition: return true;
     default: return false;

@@ -57,7 +57,7 @@ bool AxisCore::find_blend(const AxisState& now) {
   const Track& track = tracks_[active_track_];
   const uint32_t stages = old.stage_count() > next.stage_count() ? old.stage_count() : next.stage_count();
   const BlendLimits limits =
-      BlendLimits::make(move_.limits, move_.kind, config_.tick_s, stages, track.target >= track.start);
+      BlendLimits::make(move_.limits, move_.kind, config_.tick_s, stages, track.target() >= signal_of(track.start));
   const uint32_t began = load(move_began_);
   const uint32_t ahead = blend_lead_ + next.length_ticks() + 1;
   BlendWindow window{};

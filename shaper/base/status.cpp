@@ -52,6 +52,8 @@ const char* text(Quantity quantity) {
     case Quantity::kBandwidth: return "bandwidth or rate";
     case Quantity::kElectrical: return "electrical constant";
     case Quantity::kFollowingError: return "following error";
+    case Quantity::kDecelerationJerk: return "deceleration jerk";
+    case Quantity::kTable: return "profile table";
     case Quantity::kTaps: return "taps";
     case Quantity::kImpulseSum: return "sum of impulse amplitudes";
   }

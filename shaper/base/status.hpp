@@ -53,6 +53,8 @@ enum class Quantity : uint8_t {
   kBandwidth,
   kElectrical,
   kFollowingError,
+  kDecelerationJerk,
+  kTable,
 };
 
 // The answer of everything that can refuse. A refusal leaves the state before it in force.

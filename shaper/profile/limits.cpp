@@ -24,8 +24,9 @@ Status AxisLimits::validate() const {
   const NamedLimit limits[] = {{Quantity::kVelocity, velocity},
                                {Quantity::kAcceleration, acceleration},
                                {Quantity::kDeceleration, deceleration},
-                               {Quantity::kJerk, jerk}};
-  for (unsigned i = 0; i < 4; ++i) {
+                               {Quantity::kJerk, jerk},
+                               {Quantity::kDecelerationJerk, braking_jerk()}};
+  for (unsigned i = 0; i < sizeof limits / sizeof limits[0]; ++i) {
     const Status status = validate_one(limits[i]);
     if (!status.ok()) return status;
   }
@@ -39,6 +40,8 @@ Status AxisLimits::within(const AxisLimits& maximum) const {
   if (deceleration > maximum.deceleration)
     return refuse(Error::kAboveMaximum, Quantity::kDeceleration, deceleration, maximum.deceleration);
   if (jerk > maximum.jerk) return refuse(Error::kAboveMaximum, Quantity::kJerk, jerk, maximum.jerk);
+  if (braking_jerk() > maximum.braking_jerk())
+    return refuse(Error::kAboveMaximum, Quantity::kDecelerationJerk, braking_jerk(), maximum.braking_jerk());
   return kOk;
 }
 

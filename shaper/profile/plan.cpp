@@ -138,6 +138,8 @@ uint32_t whole_ticks(double ticks) {
 
 Status plan_rest_to_rest(double distance, const AxisLimits& limits, ProfileKind kind, double tick_s, Plan& out) {
   if (!math::is_finite(distance)) return refuse(Error::kNotFinite, Quantity::kDistance, distance);
+  if (kind != ProfileKind::kSCurve && kind != ProfileKind::kTrapezoid)
+    return refuse(Error::kNotAvailable, Quantity::kKind, static_cast<double>(kind));
   const Status status = limits.validate();
   if (!status.ok()) return status;
   if (!math::is_finite(tick_s)) return refuse(Error::kNotFinite, Quantity::kTick, tick_s);

@@ -11,7 +11,9 @@
 
 namespace stillpoint {
 
-enum class ProfileKind : uint8_t { kTrapezoid, kSCurve };
+// kSin2: acceleration a half sine on each ramp. kPoly5, kPoly7: one polynomial of that degree. kTable: a shape of the
+// caller's. kMatched: an S-curve whose segments are fitted to a mode.
+enum class ProfileKind : uint8_t { kTrapezoid, kSCurve, kSin2, kPoly5, kPoly7, kTable, kMatched };
 
 // One stretch of constant jerk. Units: the plan's position unit and ticks.
 struct Segment {

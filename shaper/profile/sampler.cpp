@@ -3,17 +3,7 @@
 
 namespace stillpoint {
 
-namespace {
-
-constexpr int kExtraBits = kTrackFractionBits - kSignalFractionBits;
-static_assert(kExtraBits == 64, "the signal is the upper half of a track's position");
-
-Wide wide_from_signal(Signal signal) { return Wide{0, static_cast<uint64_t>(signal)}; }
-
-// To the nearest LSB, halves up.
-Signal signal_from_wide(Wide wide) { return static_cast<Signal>(wide.high + (wide.low >> 63)); }
-
-}  // namespace
+static_assert(kTrackFractionBits - kSignalFractionBits == 64, "the signal is the upper half of a track's position");
 
 void Sampler::rest_at(Signal position) {
   track_ = nullptr;
@@ -21,28 +11,31 @@ void Sampler::rest_at(Signal position) {
 }
 
 void Sampler::begin(const Track& track) {
-  if (track.duration_ticks == 0) {
-    rest_at(track.target);
-    return;
-  }
   track_ = &track;
   tick_ = 0;
   next_switch_ = 0;
-  position_ = track.start;
-  state_ = Differences{};
-  state_.difference[0] = wide_from_signal(track.start);
-  add_switch();
+  state_ = track.start;
+  position_ = signal_of(state_);
+  if (track.duration_ticks == 0) {
+    end();
+  } else {
+    add_switch();
+  }
 }
 
 void Sampler::begin_at(const Track& track, uint32_t tick) {
-  if (tick >= track.duration_ticks) {
-    rest_at(track.target);
-    return;
-  }
   track_ = &track;
-  tick_ = tick;
+  tick_ = tick < track.duration_ticks ? tick : track.duration_ticks;
   state_ = track.differences_at(tick, next_switch_);
-  position_ = signal_from_wide(state_.difference[0]);
+  position_ = signal_of(state_);
+  if (tick_ == track.duration_ticks && !track.cruises()) rest_at(position_);
+}
+
+// At the last tick: onto the target, or on from there at the velocity reached.
+void Sampler::end() {
+  state_ = track_->end;
+  position_ = signal_of(state_);
+  if (!track_->cruises()) track_ = nullptr;
 }
 
 void Sampler::add_switch() {
@@ -54,14 +47,19 @@ void Sampler::add_switch() {
 
 Signal Sampler::tick() {
   if (track_ == nullptr) return position_;
+  if (tick_ == track_->duration_ticks) {  // cruising
+    state_.difference[0] += state_.difference[1];
+    position_ = signal_of(state_);
+    return position_;
+  }
   ++tick_;
   if (tick_ == track_->duration_ticks) {
-    rest_at(track_->target);
+    end();
     return position_;
   }
   for (int i = 0; i < 3; ++i) state_.difference[i] += state_.difference[i + 1];
   add_switch();
-  position_ = signal_from_wide(state_.difference[0]);
+  position_ = signal_of(state_);
   return position_;
 }
 

@@ -82,11 +82,9 @@ double step_between(double before, double after) {
   return math::abs(step) <= 1e-9 * math::abs(larger) ? 0.0 : step;
 }
 
-void add_segments(Track& track, const Plan& plan) {
-  at(track, 0).difference[1] += wide(plan.start_velocity);
+// `acceleration` and `jerk`: of the start, counts/tick^n.
+void add_segments(Track& track, const Plan& plan, double acceleration, double jerk) {
   const Times times(plan);
-  double acceleration = 0.0;  // at the end of the segment before
-  double jerk = 0.0;
   for (uint32_t i = 0; i < plan.segment_count; ++i) {
     const Segment& segment = plan.segments[i];
     const double ticks = segment.duration_ticks;
@@ -122,10 +120,25 @@ void advance(Differences& state, uint32_t ticks) {
   d[2] += one * d[3];
 }
 
+// The state that the switches up to `tick` and the ticks between them lead to.
+Differences added_up(const Track& track, uint32_t tick, uint32_t& next_switch) {
+  Differences state = track.start;
+  uint32_t reached = 0;
+  next_switch = 0;
+  while (next_switch < track.switch_count && track.switches[next_switch].tick <= tick) {
+    const Switch& next = track.switches[next_switch++];
+    advance(state, next.tick - reached);
+    reached = next.tick;
+    for (int k = 0; k < 4; ++k) state.difference[k] += next.add.difference[k];
+  }
+  advance(state, tick - reached);
+  return state;
+}
+
 // Where the track ends, without the last snap to the target.
 Differences end_of(const Track& track) {
   uint32_t unused = 0;
-  return track.differences_at(track.duration_ticks, unused);
+  return added_up(track, track.duration_ticks, unused);
 }
 
 // What a third difference of 1 over the ticks [begin, end) leaves at `duration`, in powers of the duration.
@@ -156,8 +169,7 @@ void correct_end(Track& track) {
   if (n < kShortest) return;
   const Differences end = end_of(track);
   const double n_d = n;
-  const Effect missing{to_double(Wide{0, static_cast<uint64_t>(track.target)} - end.difference[0], kTrackFractionBits) /
-                           (n_d * n_d * n_d),
+  const Effect missing{to_double(track.end.difference[0] - end.difference[0], kTrackFractionBits) / (n_d * n_d * n_d),
                        to_double(-end.difference[1], kTrackFractionBits) / (n_d * n_d),
                        to_double(-end.difference[2], kTrackFractionBits) / n_d};
   const uint32_t cut[4] = {0, n / 3, n - n / 3, n};
@@ -174,36 +186,60 @@ void correct_end(Track& track) {
   }
 }
 
+void make_switches(const Plan& plan, const Differences& start, double acceleration, double jerk, Track& out) {
+  out.start = start;
+  out.end = start;
+  out.duration_ticks = plan.duration_ticks;
+  out.switch_count = 0;
+  if (plan.duration_ticks != 0) add_segments(out, plan, acceleration, jerk);
+}
+
+void end_at(Signal target, Track& track) {
+  track.end = standing(target);
+  if (track.duration_ticks != 0) correct_end(track);
+}
+
+double to_counts(Wide wide) { return to_double(wide, kTrackFractionBits); }
+
+double acceleration_of(const Differences& state) { return to_counts(state.difference[2] - state.difference[3]); }
+
 }  // namespace
 
+StartMotion motion_of(const Differences& state, double tick_s) {
+  const double jerk = to_counts(state.difference[3]);
+  const double velocity = to_counts(state.difference[1]) - to_counts(state.difference[2]) / 2.0 + jerk / 3.0;
+  return StartMotion{velocity / tick_s, acceleration_of(state) / (tick_s * tick_s)};
+}
+
 void Track::make(const Plan& plan, Signal start, Signal target, Track& out) {
-  make_uncorrected(plan, start, out);
-  out.target = target;
-  if (plan.duration_ticks != 0) correct_end(out);
+  Differences moving = standing(start);
+  moving.difference[1] = wide(plan.start_velocity);
+  make_switches(plan, moving, 0.0, 0.0, out);
+  end_at(target, out);
+}
+
+void Track::make_from(const Plan& plan, const Differences& start, Signal target, Track& out) {
+  make_switches(plan, start, acceleration_of(start), to_counts(start.difference[3]), out);
+  end_at(target, out);
+}
+
+void Track::make_cruise(const Plan& plan, const Differences& start, double velocity, Track& out) {
+  make_switches(plan, start, acceleration_of(start), to_counts(start.difference[3]), out);
+  out.end = Differences{{end_of(out).difference[0], wide(velocity)}};
 }
 
 void Track::make_uncorrected(const Plan& plan, Signal start, Track& out) {
-  out.start = start;
-  out.target = start;
-  out.duration_ticks = plan.duration_ticks;
-  out.switch_count = 0;
-  if (plan.duration_ticks == 0) return;
-  add_segments(out, plan);
-  out.target = static_cast<Signal>(end_of(out).difference[0].high);
+  Differences moving = standing(start);
+  moving.difference[1] = wide(plan.start_velocity);
+  make_switches(plan, moving, 0.0, 0.0, out);
+  out.end = standing(static_cast<Signal>(end_of(out).difference[0].high));
 }
 
 Differences Track::differences_at(uint32_t tick, uint32_t& next_switch) const {
-  Differences state{};
-  state.difference[0] = Wide{0, static_cast<uint64_t>(start)};
-  uint32_t reached = 0;
-  next_switch = 0;
-  while (next_switch < switch_count && switches[next_switch].tick <= tick) {
-    const Switch& next = switches[next_switch++];
-    advance(state, next.tick - reached);
-    reached = next.tick;
-    for (int k = 0; k < 4; ++k) state.difference[k] += next.add.difference[k];
-  }
-  advance(state, tick - reached);
+  if (tick < duration_ticks) return added_up(*this, tick, next_switch);
+  next_switch = switch_count;
+  Differences state = end;
+  advance(state, tick - duration_ticks);
   return state;
 }
 
