@@ -28,16 +28,16 @@ bool fits(int64_t braking, const Level& level, int64_t velocity) {
 
 }  // namespace
 
-bool can_let_go(int64_t braking, int64_t jerk, int64_t velocity) {
-  return braking <= 0 || fits(braking, level_of(braking, jerk), velocity);
+bool can_let_go(int64_t braking, int64_t let_go_jerk, int64_t velocity) {
+  return braking <= 0 || fits(braking, level_of(braking, let_go_jerk), velocity);
 }
 
-int64_t next_braking(int64_t velocity, int64_t braking, int64_t most, int64_t jerk) {
+int64_t next_braking(int64_t velocity, int64_t braking, int64_t most, int64_t jerk, int64_t let_go_jerk) {
   const int64_t least = braking - jerk;
   const int64_t hardest = braking + jerk < most ? braking + jerk : most;
   if (hardest <= least) return least;
   if (hardest <= 0) return hardest;
-  Level level = level_of(hardest, jerk);
+  Level level = level_of(hardest, let_go_jerk);
   if (fits(hardest, level, velocity)) return hardest;
   // On the way down it is `least`, or what the rounding adds to it: that needs no division.
   for (;;) {
@@ -46,7 +46,7 @@ int64_t next_braking(int64_t velocity, int64_t braking, int64_t most, int64_t je
     if (fits(above, level, velocity)) break;
     if (on_level <= least) return least;
     level.count -= 1;
-    level.braking -= static_cast<uint64_t>(jerk);
+    level.braking -= static_cast<uint64_t>(let_go_jerk);
   }
   const uint64_t let_go_level = (level.count + 1) * level.braking / 2;
   const uint64_t rest = divide(static_cast<uint64_t>(velocity) - let_go_level, level.count + 1);

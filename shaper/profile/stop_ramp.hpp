@@ -8,14 +8,14 @@
 
 namespace stillpoint {
 
-// Limits of a stop, made ready for the tick: whole LSB, rounded up, so that a stop is never slower than the limits
-// given and passes them by less than one LSB.
+// Limits of a stop, made ready for the tick: in whole LSB, up to one more than the limits given, so that a stop is
+// never slower than they allow.
 struct StopLimits {
   int64_t deceleration;  // LSB/tick^2
   int64_t jerk;          // LSB/tick^3
 
-  // Background. `deceleration` in counts/s^2 and `jerk` in counts/s^3, both above zero; refuses what is less than one
-  // LSB and leaves `out`. Above 4e18 LSB they are as good as none and taken as that.
+  // Background. `deceleration` in counts/s^2 and `jerk` in counts/s^3; refuses what limit_in_lsb refuses and a tick not
+  // above zero, and leaves `out`. Above 2^62 LSB they count as that.
   static Status make(double deceleration, double jerk, double tick_s, StopLimits& out);
 };
 
@@ -26,7 +26,8 @@ struct StopLimits {
 // cannot be let go in time. Positions wrap at the end of their range.
 //
 // Against the continuous optimum, which may change its jerk between ticks: less than a tick more, whatever the state.
-// From any state: a velocity or acceleration past 2^62 LSB (a quarter of the position range in one tick) counts as that.
+// From any state: a velocity or acceleration past 2^62 LSB, a quarter of the position range in one tick, counts as
+// that.
 //
 // Tick context; additions, comparisons and two divisions by shifting, see braking.hpp for the cost.
 class StopRamp {

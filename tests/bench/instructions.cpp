@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Instructions a tick. See counting.hpp.
 #include "shaper/profile/stop_ramp.hpp"
+#include "shaper/profile/stream_limiter.hpp"
 #include "tests/bench/counting.hpp"
 #include "tests/bench/scenarios.hpp"
 
@@ -112,6 +113,37 @@ TEST_F(Counting, a_blend_is_counted) {
   print_row("Axis::tick", ticks);
   print_row("search", search);
   print_row("no room", fruitless);
+}
+
+// A stream that passes, one that has to be caught up with after a step, and one that is nothing but noise.
+TEST_F(Counting, a_limited_stream_is_counted) {
+  StreamLimits limits{};
+  TEST_ASSERT_OK(StreamLimits::make(kLimits, kTickS, limits));
+  StreamLimiter limiter;
+  Count passing, catching_up, noise;
+  TEST_ASSERT_OK(axis.configure(kAxis));
+  axis.reset(0);
+  TEST_ASSERT_OK(axis.command(kMove, nullptr));
+  limiter.start(limits, StreamPolicy::kClamp, 0, 0, 0, 0);
+  do {
+    const Signal input = axis.tick();
+    measure(passing, [input, &limiter] { static_cast<void>(limiter.tick(input)); });
+  } while (axis.state().phase != AxisPhase::kAtRest);
+  TEST_ASSERT_EQUAL_UINT32(0, limiter.limited_ticks());
+  do {
+    measure(catching_up, [&limiter] { static_cast<void>(limiter.tick(0)); });
+  } while (limiter.limiting());
+  testing::Random random(1);
+  for (int tick = 0; tick < 2000; ++tick) {
+    const auto input = static_cast<Signal>(random.next()) >> (tick / 32);
+    measure(noise, [input, &limiter] { static_cast<void>(limiter.tick(input)); });
+  }
+  axis.reset(0);
+  print("\ninstructions of StreamLimiter::tick\n");
+  print_left("", 16), print("     least      mean      most\n");
+  print_row("passing", passing);
+  print_row("catching up", catching_up);
+  print_row("noise", noise);
 }
 
 // A quick stop from everywhere in the reference move, and one whose divisions are as long as can be.

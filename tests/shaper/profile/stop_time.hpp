@@ -38,7 +38,8 @@ inline long double least_stop_ticks(const SampledMotion& from, long double decel
 // The same from the instant of the newest of three samples.
 //
 // What the samples say belongs to the instant of the middle one, a tick earlier: the mean of their two steps is the
-// velocity there, the difference of the steps the acceleration. (The newest step alone is the velocity half a tick ago.)
+// velocity there, the difference of the steps the acceleration. (The newest step alone is the velocity half a tick
+// ago.)
 // Up to the newest sample, after which the stop is asked for, the axis went on with that acceleration: one step of
 // velocity. Braking harder than the stop may, though, is not credited to it for that tick, only the tick is: a stop
 // within its limits from the middle sample on takes no less.
