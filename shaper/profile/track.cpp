@@ -225,7 +225,9 @@ void Track::make_from(const Plan& plan, const Differences& start, Signal target,
 
 void Track::make_cruise(const Plan& plan, const Differences& start, double velocity, Track& out) {
   make_switches(plan, start, acceleration_of(start), to_counts(start.difference[3]), out);
-  out.end = Differences{{end_of(out).difference[0], wide(velocity)}};
+  const Differences end = end_of(out);
+  if (velocity == 0.0) return end_at(signal_of(end), out);
+  out.end = Differences{{end.difference[0], wide(velocity)}};
 }
 
 void Track::make_uncorrected(const Plan& plan, Signal start, Track& out) {
@@ -235,11 +237,11 @@ void Track::make_uncorrected(const Plan& plan, Signal start, Track& out) {
   out.end = standing(static_cast<Signal>(end_of(out).difference[0].high));
 }
 
-Differences Track::differences_at(uint32_t tick, uint32_t& next_switch) const {
-  if (tick < duration_ticks) return added_up(*this, tick, next_switch);
+Differences Track::differences_at(uint64_t tick, uint32_t& next_switch) const {
+  if (tick < duration_ticks) return added_up(*this, static_cast<uint32_t>(tick), next_switch);
   next_switch = switch_count;
   Differences state = end;
-  advance(state, tick - duration_ticks);
+  state.difference[0] += Wide{tick - duration_ticks, 0} * end.difference[1];
   return state;
 }
 
