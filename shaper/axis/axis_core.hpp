@@ -84,8 +84,8 @@ class AxisCore {
 
   const AxisConfig& config() const { return config_; }
 
-  // What a rotary axis reads at the setpoint, to the nearest count: [0, modulo_counts). 0 for a linear one. Counted from
-  // position 0 of the range at the last reset.
+  // What a rotary axis reads at the setpoint, to the nearest count: [0, modulo_counts). 0 for a linear one. It counts
+  // from position 0 of the range at the last reset.
   int32_t reading_counts() const;
 
   // --- either context ---------------------------------------------------------------------------------------------

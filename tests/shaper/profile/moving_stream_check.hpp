@@ -10,9 +10,9 @@
 namespace stillpoint::testing {
 
 // The worst that a stream's differences exceed its limits by, in LSB of the signal. A difference counts once all the
-// samples in it are the plan's; where the velocity changes its sign among them, the larger acceleration limit holds, and
-// so it does everywhere behind a shaper, where what is yet to speed up and what slows down already come together. The
-// jerk limit is the larger one. Positions may wrap.
+// samples in it are the plan's; where the velocity changes its sign among them, the larger acceleration limit holds,
+// and so it does everywhere behind a shaper, where what is yet to speed up and what slows down already come together.
+// The jerk limit is the larger one. Positions may wrap.
 class MovingStreamCheck {
  public:
   MovingStreamCheck(Signal start, const AxisLimits& limits, double tick_s, uint32_t stages = 0)
