@@ -262,6 +262,26 @@ TEST_F(Flying, a_shaper_changes_in_the_cruise_of_a_jog) {
   TEST_ASSERT_TRUE(check.within());
 }
 
+TEST_F(Flying, the_same_flights_give_the_same_bits_everywhere) {
+  // GIVEN commands of every kind in flight WHEN the setpoints are hashed (FNV-1a) THEN every machine prints this number
+  shape(ShaperKind::kZvd);
+  uint64_t hash = UINT64_C(0xcbf29ce484222325);
+  for (int i = 0; i < 8; ++i) {
+    switch (i) {
+      case 2: TEST_ASSERT_OK(axis.jog(-0.7e6, kLimits, nullptr)); break;
+      case 4: TEST_ASSERT_OK(axis.command(to(-5, kGentle), nullptr)); break;
+      case 5: TEST_ASSERT_OK(axis.jog(1.1e6, kLimits, nullptr)); break;
+      case 7: TEST_ASSERT_OK(axis.halt(kGentle, nullptr)); break;
+      default: TEST_ASSERT_OK(axis.command(to(i % 2 == 0 ? 1700000 : -33333), nullptr)); break;
+    }
+    for (int tick = 0; tick < 100 + 37 * i; ++tick) {
+      uint64_t bits = static_cast<uint64_t>(axis.tick());
+      for (int byte = 0; byte < 8; ++byte, bits >>= 8) hash = (hash ^ (bits & 0xFF)) * UINT64_C(0x100000001b3);
+    }
+  }
+  TEST_ASSERT_EQUAL_UINT64(UINT64_C(12622734742952817090), hash);
+}
+
 struct Fenced : Flying {
   Fenced() {
     AxisConfig config = axis.config();
