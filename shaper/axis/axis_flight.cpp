@@ -36,8 +36,9 @@ AxisLimits around(const AxisLimits& a, const AxisLimits& b) {
                     larger(a.larger_jerk(), b.larger_jerk())};
 }
 
-// An acceleration that the new jerk limit lets go of too late for the new velocity limit: by the jerk of the motion
-// before it comes to rest in time, or the axis would run past both. Afterwards the new limits hold.
+// An acceleration that the new jerk limit lets go of too late for the new velocity limit, or, where the motion turns
+// round meanwhile, for the new acceleration limit: the jerk of the motion before lets go of it in time, or the axis
+// would run past the old limits too. Afterwards the new ones hold.
 struct Release {
   double ticks;  // 0: there is no need
   double jerk;   // counts/s^3, signed
@@ -45,14 +46,25 @@ struct Release {
   double distance;
 };
 
+// Whether it does; `jerk` is the one that counts first.
+bool too_late(const StartMotion& start, const AxisLimits& limits, double& jerk) {
+  const double square = math::square(start.acceleration);
+  const double speed = math::abs(start.velocity);
+  jerk = limits.jerk;
+  if (start.velocity * start.acceleration >= 0.0) return speed + square / (2.0 * jerk) > limits.velocity;
+  jerk = limits.braking_jerk();
+  const double turning = square - 2.0 * jerk * speed;
+  return turning > math::square(limits.acceleration) || turning > 2.0 * limits.jerk * limits.velocity;
+}
+
 Release release_of(const StartMotion& start, const AxisLimits& limits, double jerk, double tick_s) {
+  constexpr double kShortestTicks = 1.0 / 1024.0;
   const double a = start.acceleration;
-  const double by_limits = start.velocity + a * math::abs(a) / (2.0 * limits.jerk);
-  if (jerk > math::abs(a) / tick_s) jerk = math::abs(a) / tick_s;
-  if (math::abs(by_limits) <= limits.velocity || a * by_limits <= 0.0 || jerk <= limits.jerk)
-    return Release{0.0, 0.0, start, 0.0};
-  const double time = math::abs(a) / jerk;
-  const double signed_jerk = a > 0.0 ? -jerk : jerk;
+  double by_limits = 0.0;
+  if (!too_late(start, limits, by_limits) || jerk <= by_limits) return Release{0.0, 0.0, start, 0.0};
+  const double shortest = kShortestTicks * tick_s;
+  const double time = math::abs(a) > jerk * shortest ? math::abs(a) / jerk : shortest;
+  const double signed_jerk = -a / time;
   return Release{time / tick_s, signed_jerk, StartMotion{start.velocity + a * time / 2.0, 0.0},
                  time * (start.velocity + time * (a / 2.0 + time * signed_jerk / 6.0))};
 }
