@@ -9,6 +9,10 @@
 
 namespace stillpoint::testing {
 
+inline AxisLimits scaled(const AxisLimits& l, double by) {
+  return AxisLimits{l.velocity * by, l.acceleration * by, l.deceleration * by, l.jerk * by, l.deceleration_jerk * by};
+}
+
 // A state from which every limit can be kept: neither is passed, and none will be however the jerk is used.
 inline bool can_keep_limits(const StartMotion& start, const AxisLimits& limits) {
   const double sign = start.velocity < 0.0 ? -1.0 : 1.0;

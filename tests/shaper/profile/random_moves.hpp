@@ -21,9 +21,8 @@ struct MoveTask {
 };
 
 inline MoveTask scaled(const MoveTask& task, double by) {
-  const AxisLimits& l = task.limits;
   return MoveTask{StartMotion{task.start.velocity * by, task.start.acceleration * by}, task.distance * by,
-                  AxisLimits{l.velocity * by, l.acceleration * by, l.deceleration * by, l.jerk * by}};
+                  scaled(task.limits, by)};
 }
 
 inline Status planned_from(const MoveTask& task, double tick_s, Plan& plan) {
