@@ -17,7 +17,8 @@ class MovingStreamCheck {
       : velocity_limit_(limits.velocity * tick_s * kLsb),
         acceleration_limit_(limits.acceleration * tick_s * tick_s * kLsb),
         deceleration_limit_(limits.deceleration * tick_s * tick_s * kLsb),
-        jerk_limit_(limits.jerk * tick_s * tick_s * tick_s * kLsb) {
+        jerk_limit_(limits.jerk * tick_s * tick_s * tick_s * kLsb),
+        braking_jerk_limit_(limits.braking_jerk() * tick_s * tick_s * tick_s * kLsb) {
     last_[0] = start;
   }
 
@@ -28,9 +29,7 @@ class MovingStreamCheck {
     const int64_t v = last_[0] - last_[1];
     if (samples_ >= 1) raise(velocity_excess, magnitude(v) - velocity_limit_);
     if (samples_ >= 2) check_acceleration(v, last_[1] - last_[2]);
-    if (samples_ >= 3)
-      raise(jerk_excess,
-            magnitude((v - (last_[1] - last_[2])) - ((last_[1] - last_[2]) - (last_[2] - last_[3]))) - jerk_limit_);
+    if (samples_ >= 3) check_jerk(v - (last_[1] - last_[2]), (last_[1] - last_[2]) - (last_[2] - last_[3]), v);
   }
 
   // design.md 8, with no stage behind the profile.
@@ -59,10 +58,22 @@ class MovingStreamCheck {
     raise(acceleration_excess, change - (turns ? larger : (speeds_up ? acceleration_limit_ : deceleration_limit_)));
   }
 
+  // It speeds up or slows down for sure throughout where both accelerations have one sign and the velocity's is safe.
+  void check_jerk(int64_t acceleration, int64_t before, int64_t v) {
+    const double larger = jerk_limit_ > braking_jerk_limit_ ? jerk_limit_ : braking_jerk_limit_;
+    const double most = acceleration_limit_ > deceleration_limit_ ? acceleration_limit_ : deceleration_limit_;
+    const bool one_sign = (acceleration > 0) == (before > 0) && magnitude(acceleration) > larger &&
+                          magnitude(before) > larger && magnitude(v) > 3.0 * most;
+    const bool speeds_up = (acceleration > 0) == (v > 0);
+    const double limit = one_sign ? (speeds_up ? jerk_limit_ : braking_jerk_limit_) : larger;
+    raise(jerk_excess, magnitude(acceleration - before) - limit);
+  }
+
   double velocity_limit_;
   double acceleration_limit_;
   double deceleration_limit_;
   double jerk_limit_;
+  double braking_jerk_limit_;
   Signal last_[4] = {};
   int samples_ = 0;
 };

@@ -23,13 +23,14 @@ long count_faults(const char* what, long count, unsigned long long seed, const c
   return faults;
 }
 
-long compare_all(long count, unsigned long long seed) {
+long compare_all(long count, unsigned long long seed, bool two_jerks) {
   constexpr int kLattices = 20;
   testing::Random random(seed);
   testing::Comparison result;
   for (int i = 0; i < kLattices; ++i) {
-    const testing::LatticeLimits lattice{static_cast<int>(random.integer(1, 8)), static_cast<int>(random.integer(1, 8)),
-                                         static_cast<int>(random.integer(8, 48))};
+    testing::LatticeLimits lattice{static_cast<int>(random.integer(1, 8)), static_cast<int>(random.integer(1, 8)),
+                                   static_cast<int>(random.integer(8, 48))};
+    if (two_jerks) (i % 2 == 0 ? lattice.jerk : lattice.braking_jerk) = static_cast<int>(random.integer(2, 3));
     compare(random, testing::LatticeOptimum(lattice, 2400), lattice, (count + kLattices - 1) / kLattices, result);
   }
   std::printf("against the search: %ld states, %ld of them braking with the target beyond; %ld in the same ticks; ",
@@ -68,7 +69,8 @@ int main(int argc, char** argv) {
                          [](testing::Random& random) { return testing::fault_of_velocity_change(random, 4.0); });
   faults += count_faults("starts outside the limits", moves / 5, seed + 6, testing::fault_of_outside_start);
   faults += count_faults("streams in counts", moves / 50, seed + 3, testing::fault_of_stream);
-  faults += compare_all(moves / 10, seed + 4);
+  faults += compare_all(moves / 10, seed + 4, false);
+  faults += compare_all(moves / 10, seed + 7, true);
   print_cost(seed + 5);
   return faults == 0 ? 0 : 1;
 }
