@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// As many random moves from random states of motion as asked for, a tenth as many compared with a search over all
-// sequences of jerk, a fiftieth sampled by a track.  Usage: plan_from_long_run MOVES [SEED]
+// As many random moves from random states of motion as asked for; as many from rest to rest against bisection; ten
+// times as many plans in counts; a tenth as many compared with a search over all sequences of jerk, with one and with
+// two jerks; a fiftieth sampled by a track.  Usage: plan_from_long_run MOVES [SEED]
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
 #include <vector>
 
 #include "tests/shaper/profile/random_moves.hpp"
+#include "tests/shaper/profile/random_rest_moves.hpp"
 
 using namespace stillpoint;
 
@@ -58,6 +60,7 @@ void print_cost(unsigned long long seed) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  std::setvbuf(stdout, nullptr, _IOLBF, 0);
   const auto moves = static_cast<long>(argc > 1 ? std::atof(argv[1]) : 20000.0);
   const auto seed = argc > 2 ? std::strtoull(argv[2], nullptr, 10) : 1ULL;
   std::printf("seed %llu\n", seed);
@@ -69,6 +72,8 @@ int main(int argc, char** argv) {
                          [](testing::Random& random) { return testing::fault_of_velocity_change(random, 4.0); });
   faults += count_faults("starts outside the limits", moves / 5, seed + 6, testing::fault_of_outside_start);
   faults += count_faults("streams in counts", moves / 50, seed + 3, testing::fault_of_stream);
+  faults += count_faults("from rest to rest", moves, seed + 8, testing::fault_of_rest_move);
+  faults += count_faults("plans in counts", 10 * moves, seed + 9, testing::fault_of_plan_in_counts);
   faults += compare_all(moves / 10, seed + 4, false);
   faults += compare_all(moves / 10, seed + 7, true);
   print_cost(seed + 5);

@@ -149,6 +149,25 @@ inline const char* fault_of_stream(Random& random) {
   return "no move found";
 }
 
+// In whole counts, from one to all the range, planned and integrated; half of them from rest.
+inline const char* fault_of_plan_in_counts(Random& random) {
+  constexpr double kTick = 1e-3;
+  MoveTask task{};
+  task.limits = random_limits(random, 2.0);
+  task.limits = scaled(task.limits, std::pow(10.0, random.between(1.0, 8.0)) / task.limits.velocity);
+  if (random.next() % 2 == 0) task.start = random_start(random, task.limits);
+  const double sign = random.next() % 2 == 0 ? 1.0 : -1.0;
+  task.distance = sign * std::floor(std::pow(2.0, random.between(0.0, 31.0)));
+  Plan plan{};
+  const Status status = planned_from(task, kTick, plan);
+  // A million seconds for the one move, at a few counts a second, is refused by name.
+  if (!status.ok()) return status.quantity == Quantity::kDuration ? nullptr : "refused";
+  if (plan.duration_ticks != std::ceil(plan.optimum_ticks * (1.0 - 0x1p-48))) return "ticks";
+  const MotionReport report = report_on(plan, task.start, 0.0, task.limits, kTick, 1);
+  if (!report.arrives(1e-12)) return "arrival or continuity";
+  return report.within(1e-12) ? nullptr : "limits";
+}
+
 // Against the search over all sequences of jerk.
 struct Comparison {
   long states = 0;
