@@ -66,7 +66,7 @@ class Times {
     }
     moment = Moment{0, 0.0};
     for (uint32_t i = 0; i < segment; ++i) moment = after(moment, ticks(i));
-    return moment.first < end.first ? moment : end;
+    return moment.first <= end.first ? moment : end;
   }
 
  private:
