@@ -56,7 +56,7 @@ Status AxisCore::find_target(const Move& move, const Differences& start, Signal 
     if (counts >= turn) return refuse(Error::kAboveMaximum, Quantity::kPosition, counts, turn - 1.0);
     const Signal from = signal_of(start);
     const Turns turns{turns_.counts, turns_.step, zero};
-    target = wrapped_sum(from, turns.distance(from, signal_from_counts(counts), move.approach));
+    target = wrapping_sum(from, turns.distance(from, signal_from_counts(counts), move.approach));
     return kOk;
   }
   if (config_.has_soft_limits()) {
@@ -84,7 +84,7 @@ Status AxisCore::command(const Move& move, MoveReport* report) {
   status = find_target(move, standing(start), now.zero, target);
   if (!status.ok()) return status;
   const double distance =
-      to_double(Wide{0, static_cast<uint64_t>(wrapped_difference(target, start))}, kTrackFractionBits);
+      to_double(Wide{0, static_cast<uint64_t>(wrapping_difference(target, start))}, kTrackFractionBits);
   Plan plan{};
   status = plan_rest_to_rest(distance, move.limits, move.kind, config_.tick_s, plan);
   const uint32_t least_ticks = plan.duration_ticks;

@@ -213,7 +213,7 @@ Status AxisCore::plan_to_target(const Move& move, Signal zero, Course& course) c
     const double turns = math::ceil(sign * (stop.distance - counts_of(to_target)) / config_.modulo_counts);
     if (turns * config_.modulo_counts > kMaxPositionCounts)
       return refuse(Error::kAboveMaximum, Quantity::kDistance, stop.distance, kMaxPositionCounts);
-    if (turns > 0.0) course.target = wrapped_sum(course.target, static_cast<Signal>(sign * turns) * turns_.counts);
+    if (turns > 0.0) course.target = wrapping_sum(course.target, static_cast<Signal>(sign * turns) * turns_.counts);
   }
   course.to_target = true;
   const double distance = counts_of(standing(course.target).difference[0] - course.start.difference[0]);

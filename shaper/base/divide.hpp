@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Division for the tick, where neither the instruction nor the compiler's helper may be.
+// Division and square root for the tick, where neither the instruction nor the compiler's helper may be.
 #pragma once
 
 #include <stdint.h>
@@ -22,6 +22,18 @@ constexpr uint64_t divide(uint64_t dividend, uint64_t divisor) {
     divisor >>= 1;
   }
   return quotient;
+}
+
+// floor(sqrt(square)), square < 2^62. Any context; 31 turns.
+constexpr uint64_t root(uint64_t square) {
+  uint64_t result = 0;
+  for (int bit = 30; bit >= 0; --bit) {
+    const uint64_t tried = (2 * result + (UINT64_C(1) << bit)) << bit;  // (result + 2^bit)^2 - result^2
+    if (tried > square) continue;
+    square -= tried;
+    result += UINT64_C(1) << bit;
+  }
+  return result;
 }
 
 }  // namespace stillpoint

@@ -11,21 +11,9 @@ namespace stillpoint {
 namespace {
 
 constexpr uint32_t kLevelBits = 20;
-constexpr int kRootBits = 31;
+constexpr int kRootBits = 31;  // of root()
 
 int64_t saturated(double value) { return value < 4.0e18 ? static_cast<int64_t>(value) : kMotionLimit - 1; }
-
-// floor(sqrt(square)), square < 2^62.
-uint64_t root(uint64_t square) {
-  uint64_t result = 0;
-  for (int bit = kRootBits - 1; bit >= 0; --bit) {
-    const uint64_t tried = (2 * result + (UINT64_C(1) << bit)) << bit;  // (result + 2^bit)^2 - result^2
-    if (tried > square) continue;
-    square -= tried;
-    result += UINT64_C(1) << bit;
-  }
-  return result;
-}
 
 // low 64 bits of value / 2^bits, 0 <= bits < 64
 uint64_t shifted_right(Wide value, int bits) {

@@ -36,6 +36,7 @@ void StreamLimiter::start(const StreamLimits& limits, StreamPolicy policy, uint3
   made_up_ticks_ = made_up_ticks;
   missed_ = 0;
   faulted_ = false;
+  stopping_ = false;
   limiting_ = false;
   position_ = newest;
   velocity_ = within_motion_limit(wrapping_difference(newest, before));
@@ -46,17 +47,31 @@ void StreamLimiter::start(const StreamLimits& limits, StreamPolicy policy, uint3
   accelerations_ = input_acceleration_ * (1 << kSmoothing);
 }
 
+void StreamLimiter::keep_between(Signal low, Signal high) {
+  low_ = low;
+  high_ = high;
+}
+
 Signal StreamLimiter::tick(Signal input) {
   missed_ = 0;
+  const Signal output = follow(between(input));
+  limiting_ = output != input;
+  if (limiting_ && limited_ticks_ != UINT32_MAX) ++limited_ticks_;
+  return output;
+}
+
+Signal StreamLimiter::follow(Signal input) {
   take_input(input);
-  if (faulted_) return advance(0);
   Step step{};
-  if (reaches_input(step)) return advance(step.acceleration);
+  if (stopping_) return advance(0);
+  if (reaches_input(step) && stays_between(step)) return advance(step.acceleration);
   if (policy_ == StreamPolicy::kFault) {
-    fault();
+    faulted_ = true;
+    stop();
     return advance(0);
   }
-  return advance(catching_up());
+  const int64_t acceleration = catching_up();
+  return advance(stays_between(Step{velocity_ + acceleration, acceleration}) ? acceleration : stopping_at_once());
 }
 
 Signal StreamLimiter::tick() {
@@ -169,24 +184,76 @@ int64_t StreamLimiter::towards_input(bool softly) const {
   return sign * (ahead - harder);
 }
 
-void StreamLimiter::fault() {
+void StreamLimiter::stop() {
   const Signal before = wrapping_difference(position_, velocity_);
   ramp_.start(StopLimits{limits_.deceleration, limits_.jerk}, position_, before,
               wrapping_difference(before, velocity_ - acceleration_));
-  faulted_ = true;
+  stopping_ = true;
 }
 
 Signal StreamLimiter::advance(int64_t acceleration) {
-  if (faulted_) {
+  if (stopping_) {
     const Signal next = ramp_.tick();
     acceleration = wrapping_difference(next, position_) - velocity_;
   }
   acceleration_ = acceleration;
   velocity_ = within_motion_limit(velocity_ + acceleration);
   position_ = wrapping_sum(position_, velocity_);
-  limiting_ = position_ != input_;
-  if (limiting_ && limited_ticks_ != UINT32_MAX) ++limited_ticks_;
   return position_;
+}
+
+Signal StreamLimiter::between(Signal input) const {
+  if (low_ >= high_) return input;
+  return input > high_ ? high_ : input < low_ ? low_ : input;
+}
+
+// Who stops at once from where there is room for it stays inside, so nothing else needs to be looked ahead to.
+bool StreamLimiter::stays_between(const Step& step) const {
+  if (low_ >= high_) return true;
+  const Signal position = wrapping_sum(position_, step.velocity);
+  return stops_within(step, wrapping_difference(high_, position)) &&
+         stops_within(Step{-step.velocity, -step.acceleration}, wrapping_difference(position, low_));
+}
+
+// What velocity from rest the next tick can end.
+int64_t StreamLimiter::ended_at_once() const {
+  const int64_t half = limits_.jerk / 2;
+  return half < limits_.smaller_acceleration() ? half : limits_.smaller_acceleration();
+}
+
+// At rest too near an end for anything more: what the next tick can end.
+int64_t StreamLimiter::stopping_at_once() const {
+  if (at_rest()) return clamped(within_motion_limit(wrapping_difference(input_, position_)), ended_at_once());
+  const bool forward = velocity_ > 0 || (velocity_ == 0 && acceleration_ > 0);
+  const int64_t braking = next_braking(forward ? velocity_ : -velocity_, forward ? -acceleration_ : acceleration_,
+                                       limits_.deceleration, limits_.jerk, limits_.jerk);
+  return forward ? -braking : braking;
+}
+
+// No more than this is travelled by a stop at once: the velocity gained until the acceleration is let go, for as long
+// as that takes and as the braking takes to build up and to let go, and v^2 / 2D; two ticks more for what the whole
+// ticks round up.
+bool StreamLimiter::stops_within(const Step& motion, int64_t room) const {
+  const int64_t half = ended_at_once();
+  if (room < 0) return motion.velocity <= 0 && motion.acceleration <= 0;
+  if (motion.velocity <= half && motion.acceleration <= half && motion.acceleration >= -half) return true;
+  const auto speeding = static_cast<uint64_t>(motion.acceleration > 0 ? motion.acceleration : 0);
+  const auto jerk = static_cast<uint64_t>(limits_.jerk);
+  const uint64_t letting_go = divide(speeding, jerk) + 1;
+  const Wide gained = multiply(speeding, letting_go);
+  const int64_t fastest = motion.velocity + static_cast<int64_t>(gained.low / 2);
+  if (gained.high != 0 || fastest > kMotionLimit) return false;
+  if (fastest <= 0) return true;
+  const auto speed = static_cast<uint64_t>(fastest);
+  const auto braking = static_cast<uint64_t>(limits_.deceleration);
+  const uint64_t in_jerks = divide(speed, jerk);
+  uint64_t building = divide(braking, jerk) + 1;
+  if (multiply(building, building).high != 0 || building * building > in_jerks) building = root(in_jerks) + 1;
+  const Wide meanwhile = multiply(speed, letting_go + building + 2);
+  if (meanwhile.high != 0 || meanwhile.low > static_cast<uint64_t>(room)) return false;
+  const Wide left = multiply(2 * (static_cast<uint64_t>(room) - meanwhile.low), braking);
+  const Wide square = multiply(speed, speed);
+  return square.high < left.high || (square.high == left.high && square.low <= left.low);
 }
 
 }  // namespace stillpoint

@@ -41,6 +41,14 @@ class StreamLimiter {
   void start(const StreamLimits& limits, StreamPolicy policy, uint32_t made_up_ticks, Signal newest, Signal before,
              Signal before_that);
 
+  // From here on it also stays between two positions, with the output inside: in front of one it stops in time. A stream
+  // that brakes onto it later than leaves some room for the stop is limited. low >= high: no such ends. `start` leaves
+  // them as they are.
+  void keep_between(Signal low, Signal high);
+
+  // Ramps to rest within the limits, whatever comes in, and stands until it is started anew.
+  void stop();
+
   Signal tick(Signal input);
   // No input came in time: it is taken to go on at its acceleration, and after the ticks given to `start` to stand,
   // which a moving output then has to be limited for. In a stream of changing acceleration the guess is off by a jerk,
@@ -61,6 +69,11 @@ class StreamLimiter {
 
   static constexpr int kSmoothing = 3;
 
+  Signal between(Signal input) const;
+  bool stays_between(const Step& step) const;
+  bool stops_within(const Step& motion, int64_t room) const;
+  int64_t ended_at_once() const;
+  int64_t stopping_at_once() const;
   void take_input(Signal input);
   int64_t smooth_acceleration() const { return accelerations_ >> kSmoothing; }
   bool reaches_input(Step& step) const;
@@ -71,16 +84,19 @@ class StreamLimiter {
   int64_t catching_up() const;
   int64_t below_velocity_limit(int64_t acceleration) const;
   int64_t towards_input(bool softly) const;
-  void fault();
+  Signal follow(Signal input);
   Signal advance(int64_t acceleration);
 
   StreamLimits limits_ = {};
   StreamPolicy policy_ = StreamPolicy::kClamp;
   bool faulted_ = false;
+  bool stopping_ = false;
   bool limiting_ = false;
   uint32_t made_up_ticks_ = 0;
   uint32_t missed_ = 0;  // in a row
   uint32_t limited_ticks_ = 0;
+  Signal low_ = 0;
+  Signal high_ = 0;
   Signal input_ = 0;
   int64_t input_velocity_ = 0;  // within the velocity limit
   int64_t input_acceleration_ = 0;

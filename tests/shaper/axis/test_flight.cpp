@@ -113,7 +113,7 @@ TEST_F(Flying, a_jog_keeps_its_velocity_and_wraps_at_the_end_of_the_range) {
   for (int i = 0; i < 1000; ++i) {
     const Signal next = axis.tick();
     check.next(next);
-    TEST_ASSERT_EQUAL_INT64(velocity, wrapped_difference(next, last));
+    TEST_ASSERT_EQUAL_INT64(velocity, wrapping_difference(next, last));
     last = next;
   }
   TEST_ASSERT_TRUE(last < 0);
@@ -138,7 +138,7 @@ TEST_F(Flying, a_year_of_cruise_is_counted_exactly) {
   const uint64_t ticks = UINT64_C(31536000000);
   const Differences far = track.differences_at(track.duration_ticks + ticks, unused);
   const auto travel = static_cast<Signal>(ticks * 1000U % (UINT64_C(1) << 32) << 32);
-  TEST_ASSERT_EQUAL_INT64(wrapped_sum(signal_of(track.end), travel), signal_of(far));
+  TEST_ASSERT_EQUAL_INT64(wrapping_sum(signal_of(track.end), travel), signal_of(far));
 }
 
 TEST_F(Flying, a_halt_ramps_before_the_shaper_and_so_stands_still) {
@@ -412,7 +412,7 @@ TEST_F(Rotary, it_turns_for_ever_and_loses_no_count) {
   uint64_t whole = 0, fraction = 0;  // counts modulo a turn, and 2^-32 counts
   for (int i = 0; i < 200000; ++i) {
     const Signal next = axis.tick();
-    const auto step = static_cast<uint64_t>(wrapped_difference(next, last));
+    const auto step = static_cast<uint64_t>(wrapping_difference(next, last));
     fraction += step & UINT64_C(0xFFFFFFFF);
     whole = (whole + (step >> 32) + (fraction >> 32)) % static_cast<uint64_t>(kTurn);
     fraction &= UINT64_C(0xFFFFFFFF);

@@ -72,6 +72,34 @@ TEST(no_stream_makes_it_break_a_limit) {
   TEST_ASSERT_AT_LEAST_INT64(500000, limited);
 }
 
+TEST(no_stream_leads_it_past_its_ends) {
+  // GIVEN ends to stay between, sometimes too near for full speed WHEN the stream runs against them THEN none is passed
+  // and every limit is kept; an input that stands on an end is reached
+  const uint64_t seed = 307;
+  TEST_INFO("seed", seed);
+  Random random(seed);
+  long at_ends = 0;
+  for (int i = 0; i < 500; ++i) {
+    TEST_INFO("case", i);
+    const AxisLimits limits = random_limits(random, 1.0);
+    const double room = limits.velocity * kLsb * decades(random, -3.0, 1.0);
+    const Signal low = -static_cast<Signal>(room * random.unit()), high = static_cast<Signal>(room);
+    Stream stream(limits, StreamPolicy::kClamp);
+    stream.limiter.keep_between(low, high);
+    Hostile hostile(random, limits);
+    for (int tick = 0; tick < 2000; ++tick) {
+      TEST_INFO("tick", tick);
+      const Signal output = stream.step(hostile.next(stream.input));
+      TEST_ASSERT_TRUE(low <= output && output <= high);
+      at_ends += output == low || output == high;
+    }
+    const Signal end = i % 2 == 0 ? low : high;
+    for (int tick = 0; tick < 200000 && stream.limiter.position() != end; ++tick) stream.step(end);
+    stream.pass(end);
+  }
+  TEST_ASSERT_AT_LEAST_INT64(10000, at_ends);
+}
+
 TEST(limits_of_any_magnitude_are_kept) {
   const uint64_t seed = 311;
   TEST_INFO("seed", seed);
