@@ -35,6 +35,8 @@ Status AxisCore::configure(const AxisConfig& config) {
   if (!status.ok()) return status;
   config_ = config;
   turns_.configure(config.modulo_counts);
+  soft_low_ = signal_from_counts(config.soft_low_counts);
+  soft_high_ = signal_from_counts(config.soft_high_counts);
   configured_ = true;
   return kOk;
 }

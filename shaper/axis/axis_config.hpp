@@ -8,6 +8,7 @@
 #include "shaper/base/status.hpp"
 #include "shaper/profile/limits.hpp"
 #include "shaper/profile/plan.hpp"
+#include "shaper/profile/stream_limiter.hpp"
 
 namespace stillpoint {
 
@@ -50,7 +51,14 @@ struct MoveReport {
   bool zero_delay_met;     // total_ticks is no more than the unshaped move of the same duration takes
 };
 
-enum class AxisPhase : uint8_t { kAtRest, kMoving, kDraining, kStopping };
+// Setpoints that come from outside, one a tick. See StreamLimiter.
+struct StreamConfig {
+  AxisLimits limits;       // counts/s^n, at most the axis's maximum
+  StreamPolicy policy;     // what happens to a setpoint that would break them
+  uint32_t made_up_ticks;  // in a row without a setpoint before the stream counts as standing
+};
+
+enum class AxisPhase : uint8_t { kAtRest, kMoving, kDraining, kStopping, kStreaming };
 
 // A snapshot that belongs to one tick.
 struct AxisState {
@@ -60,6 +68,10 @@ struct AxisState {
   Signal demand;         // before shaping
   Signal setpoint;       // after shaping: what the drive is given
   Signal zero;           // of a rotary axis: see Turns
+  // Of the last stream: its last setpoint was not followed; for so many ticks in all; it ended for that.
+  bool limiting;
+  bool stream_faulted;
+  uint32_t limited_ticks;
 };
 
 }  // namespace stillpoint

@@ -11,6 +11,7 @@
 #include "shaper/axis/turns.hpp"
 #include "shaper/base/shared.hpp"
 #include "shaper/profile/stop_ramp.hpp"
+#include "shaper/profile/stream_limiter.hpp"
 #include "shaper/profile/track.hpp"
 #include "shaper/shaping/design.hpp"
 #include "shaper/shaping/shaper.hpp"
@@ -50,6 +51,16 @@ class AxisCore {
   // the end of the position range too; towards a soft limit, until it stands on that. At rest and in flight; takes over
   // and refuses as `command` does. Over the shaper's length it must stay below 2^31 counts.
   Status jog(double velocity, const AxisLimits& limits, MoveReport* report);
+
+  // Streamed setpoints: from the next commit on every tick follows what `stream` was given last, bit for bit where that
+  // keeps the limits, and before the shaper, so that what leaves is shaped; in front of a soft limit it stops. It begins
+  // with a setpoint where the axis stands. `halt` ends it, and so does a fault. Refuses kBusy unless at rest with
+  // nothing pending, limits above the axis's maximum or below what StreamLimits can hold, a velocity as `jog` does, and
+  // kNotAvailable behind a shaper with negative gains, whose output nobody can vouch for.
+  Status begin_stream(const StreamConfig& config);
+
+  // The setpoint of the next tick. Between ticks: from the background or from the tick's own context.
+  void stream(Signal setpoint);
 
   // To rest as soon as `limits` allow, before the shaper: so it ends still, the shaper's length later. A command that
   // waits is dropped. Where no such motion keeps the axis's own limits (soft ones, or in a blend) it becomes a quick
@@ -113,7 +124,7 @@ class AxisCore {
   // A shaper's line is filled where the axis stands, or (kLaterShaper) left to the tick that takes it at rest.
   enum Pending : uint32_t { kNothing, kShaper, kLaterShaper, kBlend };
   // kFromRest waits for a commit; kInFlight, once it has seen one, for its tick; kMissed for the background.
-  enum PendingMove : uint32_t { kNoMove, kFromRest, kInFlight, kMissed };
+  enum PendingMove : uint32_t { kNoMove, kFromRest, kInFlight, kMissed, kStream };
 
   // What was asked for in motion, until a tick has taken it.
   struct Flight {
@@ -142,6 +153,7 @@ class AxisCore {
 
   const Shaper& running() const { return shapers_[load(active_shaper_)]; }
   Status check_ready() const;
+  Status check_wrap(double velocity) const;
   Status check_move(const Move& move) const;
   Status command_in_flight(const Move& move, MoveReport* report);
   Status find_target(const Move& move, const Differences& start, Signal zero, Signal& target) const;
@@ -162,6 +174,8 @@ class AxisCore {
 
   void take_move(bool commit);
   void begin_track();
+  void start_stream();
+  Signal follow_stream();
   void take_pending(uint32_t what);
   void take_shaper(uint32_t what);
   void begin_blend();
@@ -177,6 +191,8 @@ class AxisCore {
   // Set by configure, at rest, and read by the tick only to leave rest.
   AxisConfig config_ = {};
   StopLimits stop_limits_ = {};
+  Signal soft_low_ = 0;
+  Signal soft_high_ = 0;
   bool configured_ = false;
   LineSample* memory_[2] = {};
   size_t capacity_ = 0;
@@ -192,6 +208,14 @@ class AxisCore {
   uint32_t blend_order_ = 0;
   uint32_t looking_ = 0;  // the background has a pending shaper back for a while
   uint32_t stop_requested_ = 0;
+  // Written for the stream that waits.
+  StreamLimits stream_limits_ = {};
+  StreamPolicy stream_policy_ = StreamPolicy::kClamp;
+  uint32_t made_up_ticks_ = 0;
+  uint32_t stream_begin_count_ = 0;  // of streamed_count_: what comes later belongs to it
+  uint32_t stream_end_requested_ = 0;
+  Signal streamed_[2] = {};  // the one of the count's last bit is the newest
+  uint32_t streamed_count_ = 0;
 
   // The background's own.
   Flight flight_ = {};
@@ -215,6 +239,9 @@ class AxisCore {
   bool flight_armed_ = false;  // a commit has been seen
   uint64_t track_ticks_ = 0;   // since the active track began
   Turns turns_ = {};
+  StreamLimiter limiter_ = {};
+  bool streaming_ = false;
+  uint32_t stream_seen_ = 0;   // of streamed_count_
   uint32_t length_ticks_ = 0;  // of the active shaper, in a blend of the longer
   uint32_t drain_ticks_ = 0;   // until its line holds nothing but the standing position
   bool blending_ = false;      // the spare pair runs too

@@ -118,6 +118,7 @@ Status AxisCore::halt(const AxisLimits& limits, MoveReport* report) {
   __atomic_signal_fence(__ATOMIC_SEQ_CST);
   const AxisPhase phase = state().phase;
   if (report != nullptr) *report = MoveReport{};
+  if (phase == AxisPhase::kStreaming) store(stream_end_requested_, 1);
   if (phase != AxisPhase::kMoving) return kOk;  // the profile stands, or is being stopped
   flight_lead_ = kShortestLeadTicks;
   Flight flight{Move{0, ProfileKind::kSCurve, limits, 0.0, false}, 0.0, true};
@@ -136,7 +137,8 @@ Status AxisCore::fly(const Flight& flight, MoveReport* report) {
   const AxisState now = state();
   const uint32_t pending = load(pending_);
   const bool at_rest = now.phase == AxisPhase::kAtRest;
-  if (now.phase == AxisPhase::kStopping || load(pending_move_) != kNoMove || pending == kBlend) return busy();
+  if (now.phase == AxisPhase::kStopping || now.phase == AxisPhase::kStreaming) return busy();
+  if (load(pending_move_) != kNoMove || pending == kBlend) return busy();
   if (at_rest && pending != kNothing) return busy();
   const uint32_t lead = at_rest ? 0 : flight_lead_;
   uint32_t unused = 0;
@@ -244,11 +246,17 @@ Status AxisCore::plan_to_cruise(const Flight& flight, Course& course) const {
     status = plan_from(release.after, limit - from - release.distance, limits, config_.tick_s, course.plan);
     return status.ok() ? prepend(release, start, config_.tick_s, course.plan) : status;
   }
-  const double most = kMaxPositionCounts / (config_.tick_s * (running().length_ticks() + 1.0));
-  if (math::abs(velocity) > most) return refuse(Error::kAboveMaximum, Quantity::kVelocity, velocity, most);
+  status = check_wrap(velocity);
+  if (!status.ok()) return status;
   course.cruise = velocity * config_.tick_s;
   status = plan_to_velocity(release.after, velocity, limits, config_.tick_s, course.plan);
   return status.ok() ? prepend(release, start, config_.tick_s, course.plan) : status;
+}
+
+// A shaper tells two samples apart that are less than half the range apart.
+Status AxisCore::check_wrap(double velocity) const {
+  const double most = kMaxPositionCounts / (config_.tick_s * (running().length_ticks() + 1.0));
+  return math::abs(velocity) > most ? refuse(Error::kAboveMaximum, Quantity::kVelocity, velocity, most) : kOk;
 }
 
 Status AxisCore::check_extent(const Course& course) const {

@@ -60,6 +60,7 @@ class StreamLimiter {
   bool limiting() const { return limiting_; }                // the last output was not its input
   uint32_t limited_ticks() const { return limited_ticks_; }  // only goes up, to its largest number
   bool faulted() const { return faulted_; }
+  bool stopped() const { return stopping_ && at_rest(); }
 
  private:
   struct Step {
