@@ -50,6 +50,6 @@ Status plan_from(const StartMotion& start, double distance, const AxisLimits& li
 // tick is at that velocity. `out.distance` is where it leads to. Same limits and refusals; closed form.
 Status plan_to_velocity(const StartMotion& start, double velocity, const AxisLimits& limits, double tick_s, Plan& out);
 
-constexpr int kMaxRootSteps = 120;
+constexpr int kMaxRootSteps = 200;
 
 }  // namespace stillpoint
