@@ -27,7 +27,7 @@ Motion after_all(Motion motion, const PhaseList& phases) {
 }
 
 // Where stopping at once leads to.
-double stop_position(Motion motion, const BothRamps& limits) {
+double stop_position(const Motion& motion, const BothRamps& limits) {
   PhaseList stop;
   append_transition(motion, 0.0, limits, stop);
   return after_all(motion, stop).position;
