@@ -102,11 +102,15 @@ void PhaseList::append(const Phase& next) {
 
 Motion advanced(const Motion& from, double jerk, double ticks) {
   constexpr double kOver[] = {1.0, 1.0 / 2.0, 1.0 / 3.0};
-  const double derivative[] = {from.position, from.velocity, from.acceleration, jerk};
+  const double derivative[] = {from.position, from.velocity, from.acceleration};
   double result[3];
   for (int k = 0; k < 3; ++k) {  // Taylor's series, from its end
     double sum = jerk;
-    for (int i = 2; i >= k; --i) sum = derivative[i] + sum * ticks * kOver[i - k];
+    for (int i = 2; i >= k; --i) {
+      sum *= ticks;
+      if (i > k) sum *= kOver[i - k];
+      sum += derivative[i];
+    }
     result[k] = sum;
   }
   return Motion{result[0], result[1], result[2]};
@@ -114,7 +118,7 @@ Motion advanced(const Motion& from, double jerk, double ticks) {
 
 void append_transition(const Motion& from, double velocity, const BothRamps& limits, PhaseList& phases) {
   PhaseList unused;
-  const double let_go = append_let_go(from, limits, unused);
+  const double let_go = from.acceleration == 0.0 ? from.velocity : append_let_go(from, limits, unused);
   const double sign = let_go > velocity ? -1.0 : 1.0;
   const double rounding =
       4.0 * DBL_EPSILON * (math::magnitude(from.velocity) + 2.0 * math::magnitude(let_go - from.velocity));
