@@ -45,9 +45,15 @@ constexpr double sqrt_in_integers(double x) {
   return from_bits(rounded + (static_cast<uint64_t>((binary.exponent - odd) / 2 + kExponentBias - 1) << kMantissaBits));
 }
 
+// sqrt() as a chip runs it: out of line, for inlined it would be 200 bytes in every file.
+double sqrt_out_of_line(double x);
+
 // The same for every x >= 0; the sign of a zero stays. At run time on an x86-64 by its instruction, whose result is
 // correctly rounded too: the same bits in a tenth of the time.
 constexpr double sqrt(double x) {
+#if !defined(__SSE2_MATH__)
+  if (!__builtin_is_constant_evaluated()) return sqrt_out_of_line(x);
+#endif
   if (x == 0.0 || x == kInfinity) return x;
   if (!(x > 0.0)) return kNan;
 #if defined(__SSE2_MATH__)

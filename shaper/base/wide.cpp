@@ -5,6 +5,8 @@
 
 namespace stillpoint {
 
+void add_product(Wide& sum, const Wide& a, const Wide& b) { sum += a * b; }
+
 Wide wide_from_double(double value, int fraction_bits) {
   const uint64_t bits = __builtin_bit_cast(uint64_t, value);
   const int exponent_field = static_cast<int>((bits >> 52) & 0x7FFU);

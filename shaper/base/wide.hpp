@@ -51,6 +51,9 @@ constexpr Wide operator*(Wide a, Wide b) {
   return product;
 }
 
+// sum += a * b, modulo 2^128. Out of line: the product takes 100 bytes of code wherever it is inlined.
+void add_product(Wide& sum, const Wide& a, const Wide& b);
+
 // 0 <= bits < 128
 constexpr Wide shifted_left(Wide a, int bits) {
   if (bits == 0) return a;

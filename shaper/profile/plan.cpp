@@ -13,8 +13,6 @@ namespace {
 struct RampLimits {
   double acceleration;
   double jerk;
-  // From this velocity on the acceleration reaches its limit.
-  double full_velocity() const { return acceleration * (acceleration / jerk); }
 };
 
 enum : int { kUp, kDown, kRamps };
@@ -43,15 +41,20 @@ Ramp ramp_to(double velocity, const RampLimits& limits) {
 double mixed_peak_velocity(const RampLimits& full, double free_jerk) {
   const double a = full.acceleration;
   const double root_jerk = math::sqrt(free_jerk);
+  const double factor[] = {1.0 / a, 2.0 / root_jerk, a / full.jerk, 0.0, -2.0};
   // Each term alone is at most 2 at the root; the tightest of the three is within a factor 3 of it.
-  double s = math::sqrt(math::sqrt(2.0 * a));
-  const double by_jerk = math::cbrt(root_jerk);
-  const double by_both = math::sqrt(2.0 * full.jerk / a);
-  if (by_jerk < s) s = by_jerk;
-  if (by_both < s) s = by_both;
+  const double by_term[] = {math::sqrt(math::sqrt(2.0 * a)), math::cbrt(root_jerk), math::sqrt(2.0 / factor[2])};
+  double s = by_term[0];
+  for (int i = 1; i < 3; ++i) {
+    if (by_term[i] < s) s = by_term[i];
+  }
   for (int step = 0; step < 64; ++step) {
-    const double value = s * s * (s * s / a + 2.0 * s / root_jerk + a / full.jerk) - 2.0;
-    const double slope = s * (4.0 * s * s / a + 6.0 * s / root_jerk + 2.0 * a / full.jerk);
+    double value = 0.0;
+    double slope = 0.0;
+    for (const double coefficient : factor) {
+      slope = slope * s + value;
+      value = value * s + coefficient;
+    }
     const double next = s - value / slope;
     if (!(next < s)) break;
     s = next;
@@ -61,18 +64,21 @@ double mixed_peak_velocity(const RampLimits& full, double free_jerk) {
 
 // The peak velocity of the shortest move without a cruise: v (T1(v) + T2(v)) = 2.
 double uncruised_peak_velocity(const UnitLimits& limits) {
-  const bool down_first = limits.ramp[kDown].full_velocity() < limits.ramp[kUp].full_velocity();
-  const RampLimits& first = limits.ramp[down_first ? kDown : kUp];  // to reach its acceleration limit
-  const RampLimits& last = limits.ramp[down_first ? kUp : kDown];
+  double full_velocity[kRamps];  // from which on the acceleration reaches its limit
+  for (int i = 0; i < kRamps; ++i)
+    full_velocity[i] = limits.ramp[i].acceleration * (limits.ramp[i].acceleration / limits.ramp[i].jerk);
+  const int sooner = full_velocity[kDown] < full_velocity[kUp] ? kDown : kUp;
+  const RampLimits& first = limits.ramp[sooner];
+  const RampLimits& last = limits.ramp[1 - sooner];
   const double ratio = first.jerk / last.jerk;
   // 1/sqrt(j1) + 1/sqrt(j2) = 2/sqrt(j) for the jerk j = j1 mean^2.
   const double mean = 2.0 / (1.0 + math::sqrt(ratio));
   const double by_jerk = math::cbrt(first.jerk * mean * mean / 4.0);
-  if (by_jerk <= first.full_velocity()) return by_jerk;
+  if (by_jerk <= full_velocity[sooner]) return by_jerk;
   const double p = 1.0 / first.acceleration + 1.0 / last.acceleration;
   const double q = (first.acceleration + last.acceleration * ratio) / first.jerk;
   const double with_both = 4.0 / (q + math::sqrt(q * q + 8.0 * p));
-  if (with_both >= last.full_velocity()) return with_both;
+  if (with_both >= full_velocity[1 - sooner]) return with_both;
   return mixed_peak_velocity(first, last.jerk);
 }
 
@@ -83,7 +89,7 @@ struct Phases {
   double ticks() const { return ramp[kUp].ticks() + cruise_ticks + ramp[kDown].ticks(); }
 };
 
-Phases phases_at(double velocity, const UnitLimits& limits) {
+[[gnu::noinline]] Phases phases_at(double velocity, const UnitLimits& limits) {
   return Phases{{ramp_to(velocity, limits.ramp[kUp]), ramp_to(velocity, limits.ramp[kDown])}, 0.0};
 }
 
@@ -116,7 +122,10 @@ void append_ramp(Plan& plan, const Ramp& ramp, double velocity, double sign) {
 }
 
 // Limits past any use, kept where their products are finite.
-double moderate(double limit) { return limit < 1e60 ? limit : 1e60; }
+[[gnu::noinline]] double moderate_product(double limit, double per_distance, double per_tick) {
+  const double product = limit * per_distance * per_tick;
+  return product < 1e60 ? product : 1e60;
+}
 constexpr double kNoJerkLimit = 1e300;  // of a trapezoid: its jerk phases vanish beside any acceleration so kept
 
 void write_segments(Plan& plan, Phases phases, uint32_t duration_ticks) {
@@ -135,9 +144,11 @@ void write_segments(Plan& plan, Phases phases, uint32_t duration_ticks) {
 }
 
 UnitLimits unit_limits(double distance, const AxisLimits& limits, bool jerk_limited, double tick_s) {
-  const double per_distance = 1.0 / math::abs(distance);
+  const double per_distance = 1.0 / math::magnitude(distance);
   const double tick_2 = tick_s * tick_s;
-  const auto in_unit = [&](double limit, double per_tick) { return moderate(limit * per_distance * per_tick); };
+  const auto in_unit = [per_distance](double limit, double per_tick) {
+    return moderate_product(limit, per_distance, per_tick);
+  };
   UnitLimits unit{
       in_unit(limits.velocity, tick_s),
       {{in_unit(limits.acceleration, tick_2), kNoJerkLimit}, {in_unit(limits.deceleration, tick_2), kNoJerkLimit}}};
@@ -148,22 +159,26 @@ UnitLimits unit_limits(double distance, const AxisLimits& limits, bool jerk_limi
   return unit;
 }
 
+[[gnu::noinline]] void raise(double& peak, double value) {
+  if (math::magnitude(value) > peak) peak = math::magnitude(value);
+}
+
 }  // namespace
 
 uint32_t whole_ticks(double ticks) {
   constexpr double kRounding = 16.0 * DBL_EPSILON;
-  const double whole = math::ceil(ticks * (1.0 - kRounding));
-  return whole < 1.0 ? 1 : static_cast<uint32_t>(whole);
+  const double least = ticks * (1.0 - kRounding);
+  const auto whole = static_cast<uint32_t>(least);
+  return whole == 0 || whole < least ? whole + 1 : whole;
 }
 
 Status plan_rest_to_rest(double distance, const AxisLimits& limits, ProfileKind kind, double tick_s, Plan& out) {
-  if (!math::is_finite(distance)) return refuse(Error::kNotFinite, Quantity::kDistance, distance);
+  Status status = check_finite(Quantity::kDistance, distance);
+  if (!status.ok()) return status;
   if (kind != ProfileKind::kSCurve && kind != ProfileKind::kTrapezoid)
     return refuse(Error::kNotAvailable, Quantity::kKind, static_cast<double>(kind));
-  const Status status = limits.validate();
+  status = limits.validate(tick_s);
   if (!status.ok()) return status;
-  if (!math::is_finite(tick_s)) return refuse(Error::kNotFinite, Quantity::kTick, tick_s);
-  if (!(tick_s > 0.0)) return refuse(Error::kNotPositive, Quantity::kTick, tick_s);
   if (distance == 0.0) {
     out = Plan{};
     return kOk;
@@ -202,9 +217,6 @@ Status stretch(Plan& plan, uint32_t duration_ticks) {
 Peaks peaks_of(const Plan& plan, double tick_s) {
   Peaks peaks{};
   double velocity = plan.start_velocity;
-  const auto raise = [](double& peak, double value) {
-    if (math::abs(value) > peak) peak = math::abs(value);
-  };
   raise(peaks.velocity, velocity);
   for (uint32_t i = 0; i < plan.segment_count; ++i) {
     const Segment& segment = plan.segments[i];
@@ -215,9 +227,9 @@ Peaks peaks_of(const Plan& plan, double tick_s) {
     raise(peaks.acceleration, end_acceleration);
     raise(peaks.jerk, segment.jerk);
   }
-  peaks.velocity /= tick_s;
-  peaks.acceleration /= tick_s * tick_s;
-  peaks.jerk /= tick_s * tick_s * tick_s;
+  double per_tick = 1.0;
+  double* const all[] = {&peaks.velocity, &peaks.acceleration, &peaks.jerk};
+  for (double* const peak : all) *peak /= per_tick *= tick_s;
   return peaks;
 }
 

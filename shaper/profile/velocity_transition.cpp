@@ -11,22 +11,15 @@ namespace {
 
 double lesser(double a, double b) { return a < b ? a : b; }
 
-double half_square(double a) { return a * a / 2.0; }
-
-// The velocity once the acceleration has been let go: by the jerk of slowing down as far as v = 0, then by the other.
-double let_go_velocity(const Motion& from, const BothRamps& limits) {
-  const double energy = math::copysign(half_square(from.acceleration), from.acceleration);
-  const double v = from.velocity;
-  if ((v > 0.0) == (energy > 0.0)) return v + energy / limits.up.jerk;
-  const double let_go = v + energy / limits.down.jerk;
-  return (let_go > 0.0) == (v > 0.0) ? let_go : let_go * (limits.down.jerk / limits.up.jerk);
-}
+[[gnu::noinline]] double half_square(double a) { return a * a / 2.0; }
 
 // A change upwards; `sign` turns it round for one downwards.
 class Rise {
  public:
   Rise(const Motion& from, double sign, PhaseList& phases)
       : velocity_(sign * from.velocity), acceleration_(sign * from.acceleration), sign_(sign), phases_(phases) {}
+
+  double velocity() const { return sign_ * velocity_; }
 
   void to(double target, double rounding, const BothRamps& limits) {
     if (acceleration_ < 0.0) let_go(limits);
@@ -38,7 +31,7 @@ class Rise {
     if (target > 0.0) rise_to(target, 0.0, limits.up);
   }
 
-  // Of an acceleration below zero.
+  // Of an acceleration below zero: by the jerk of slowing down as far as v = 0, then by the other.
   void let_go(const BothRamps& limits) {
     if (velocity_ > 0.0) {
       const double rest = half_square(acceleration_) - limits.down.jerk * velocity_;
@@ -75,11 +68,11 @@ class Rise {
 
   void jerk_to(double acceleration, double jerk) {
     const double change = acceleration - acceleration_;
-    append(math::abs(change) / jerk, acceleration, change < 0.0 ? -jerk : jerk);
+    append(math::magnitude(change) / jerk, acceleration, change < 0.0 ? -jerk : jerk);
   }
 
   // The same where the velocity at its end is known better than the change of acceleration: a jerk may be next to none.
-  void jerk_to_end(double acceleration, double end, double jerk) {
+  [[gnu::noinline]] void jerk_to_end(double acceleration, double end, double jerk) {
     append(2.0 * (end - velocity_) / (acceleration_ + acceleration), acceleration, jerk);
     velocity_ = end;
   }
@@ -108,20 +101,34 @@ void PhaseList::append(const Phase& next) {
 }
 
 Motion advanced(const Motion& from, double jerk, double ticks) {
-  const double a = from.acceleration;
-  return Motion{from.position + ticks * (from.velocity + ticks * (a / 2.0 + ticks * (jerk / 6.0))),
-                from.velocity + ticks * (a + ticks * (jerk / 2.0)), a + jerk * ticks};
+  constexpr double kOver[] = {1.0, 1.0 / 2.0, 1.0 / 3.0};
+  const double derivative[] = {from.position, from.velocity, from.acceleration};
+  double result[3];
+  for (int k = 0; k < 3; ++k) {  // Taylor's series, from its end
+    double sum = jerk;
+    for (int i = 2; i >= k; --i) {
+      sum *= ticks;
+      if (i > k) sum *= kOver[i - k];
+      sum += derivative[i];
+    }
+    result[k] = sum;
+  }
+  return Motion{result[0], result[1], result[2]};
 }
 
 void append_transition(const Motion& from, double velocity, const BothRamps& limits, PhaseList& phases) {
-  const double let_go = let_go_velocity(from, limits);
+  PhaseList unused;
+  const double let_go = from.acceleration == 0.0 ? from.velocity : append_let_go(from, limits, unused);
   const double sign = let_go > velocity ? -1.0 : 1.0;
-  const double rounding = 4.0 * DBL_EPSILON * (math::abs(from.velocity) + 2.0 * math::abs(let_go - from.velocity));
+  const double rounding =
+      4.0 * DBL_EPSILON * (math::magnitude(from.velocity) + 2.0 * math::magnitude(let_go - from.velocity));
   Rise(from, sign, phases).to(sign * velocity, rounding, limits);
 }
 
-void append_let_go(const Motion& from, const BothRamps& limits, PhaseList& phases) {
-  Rise(from, from.acceleration > 0.0 ? -1.0 : 1.0, phases).let_go(limits);
+double append_let_go(const Motion& from, const BothRamps& limits, PhaseList& phases) {
+  Rise rise(from, from.acceleration > 0.0 ? -1.0 : 1.0, phases);
+  rise.let_go(limits);
+  return rise.velocity();
 }
 
 }  // namespace stillpoint

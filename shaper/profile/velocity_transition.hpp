@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The fastest change of velocity from any velocity and acceleration, within acceleration and jerk limits.
 //
-// Lengths here are in units of the jerk limit while speeding up, times in ticks, so that an acceleration is about the
-// ticks it takes to let go of it, and no tolerance is needed but relative ones. Background; closed form.
+// Times are in ticks; no tolerance is needed but relative ones. Background; closed form.
 #pragma once
 
 #include <stdint.h>
@@ -57,7 +56,8 @@ Motion advanced(const Motion& from, double jerk, double ticks);
 // little as possible is passed.
 void append_transition(const Motion& from, double velocity, const BothRamps& limits, PhaseList& phases);
 
-// Appends the phases, two at most, that let go of the acceleration of `from` as fast as the jerk limits allow.
-void append_let_go(const Motion& from, const BothRamps& limits, PhaseList& phases);
+// Appends the phases, two at most, that let go of the acceleration of `from` as fast as the jerk limits allow; the
+// velocity they lead to.
+double append_let_go(const Motion& from, const BothRamps& limits, PhaseList& phases);
 
 }  // namespace stillpoint

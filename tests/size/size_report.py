@@ -17,20 +17,32 @@ import elf
 # what it calls.
 BUDGET = {"library": (96 * 1024, 0), "image": (96 * 1024, 64 * 1024)}
 
+# Of one module: what the linker keeps of it if an image calls all of it.
+MODULE_BUDGET = {"shaper/profile": 16 * 1024}
+
 FLASH, RAM = 0, 1
 
 
 def by_module_of_library(tree):
     sizes = collections.defaultdict(lambda: [0, 0])
+    once = {}  # of which the linker keeps one copy: {name: (size, modules that carry it)}
     home = tree / "shaper/CMakeFiles/stillpoint_shaper.dir"
     for path in home.rglob("*.obj"):
-        used = sizes["shaper/" + path.relative_to(home).parent.as_posix()]
+        module = "shaper/" + path.relative_to(home).parent.as_posix()
+        used = sizes[module]
         for section in elf.Elf(path).sections:
-            if section.allocated and not section.name.startswith(".ARM"):
-                if not section.name.startswith(".bss"):
-                    used[FLASH] += section.size
-                if section.name.startswith((".bss", ".data")):
-                    used[RAM] += section.size
+            if not section.allocated or section.name.startswith(".ARM"):
+                continue
+            if section.comdat:
+                size, modules = once.get(section.name, (0, frozenset()))
+                once[section.name] = max(size, section.size), modules | {module}
+                continue
+            if not section.name.startswith(".bss"):
+                used[FLASH] += section.size
+            if section.name.startswith((".bss", ".data")):
+                used[RAM] += section.size
+    for size, modules in once.values():
+        sizes[min(modules) if len(modules) == 1 else "(in several)"][FLASH] += size
     return sizes
 
 
@@ -87,6 +99,10 @@ def main():
     print(f"{'budget':24}{BUDGET[what][FLASH]:8}{BUDGET[what][RAM]:8}")
     if what == "image" and total != linked(tree):
         sys.exit(f"error: the table misses something: the image has {linked(tree)}")
+    for module, most in MODULE_BUDGET.items() if what == "library" else ():
+        print(f"{'budget of ' + module:24}{most:8}")
+        if not 0 < sizes[module][FLASH] <= most:
+            sys.exit(f"error: {module} is above its budget")
     if total[FLASH] == 0 or any(total[kind] > BUDGET[what][kind] for kind in (FLASH, RAM)):
         sys.exit("error: above the budget")
 
