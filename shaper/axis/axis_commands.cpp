@@ -63,7 +63,7 @@ Status AxisCore::command(const Move& move, MoveReport* report) {
   const double distance = distance_counts(start, target);
   status = check_distance(distance);
   Plan plan{};
-  if (status.ok()) status = plan_rest_to_rest(distance, move.limits, move.kind, config_.tick_s, plan);
+  if (status.ok()) status = plan_rest_to_rest(distance, move.limits, move.kind, config_.tick_s, plan, move.detail);
   const uint32_t least_ticks = plan.duration_ticks;
   if (status.ok() && !running().averages()) status = slow_down_for_shaper(move, start, plan);
   MoveReport result{0, 0, plan.optimum_ticks, false};
@@ -99,8 +99,8 @@ Status AxisCore::slow_down_for_shaper(const Move& move, Signal start, Plan& plan
                   kMaxDurationTicks * config_.tick_s);
   uint32_t ticks = static_cast<uint32_t>(enough);
   if (plan.duration_ticks <= kLongestSearchTicks) {
-    ShapedMoveCheck check(plan, limits, move.kind, config_.tick_s, shapers_[spare], tracks_[active_track_ ^ 1], start,
-                          signal_from_counts(move.target_counts));
+    ShapedMoveCheck check(plan, limits, move.jerk_limited(), config_.tick_s, shapers_[spare],
+                          tracks_[active_track_ ^ 1], start, signal_from_counts(move.target_counts));
     ticks = check.least_slowed_ticks(plan.duration_ticks, ticks);
   }
   return stretch(plan, ticks);
@@ -123,8 +123,8 @@ Status AxisCore::time_zero_delay(const Move& move, Signal start, Plan& plan, Mov
   const uint32_t spare = active_shaper_ ^ 1;
   Status status = shapers_[spare].configure(running(), memory_[spare], capacity_, start);
   if (!status.ok()) return status;
-  ShapedMoveCheck check(plan, move.limits, move.kind, config_.tick_s, shapers_[spare], tracks_[active_track_ ^ 1],
-                        start, signal_from_counts(move.target_counts));
+  ShapedMoveCheck check(plan, move.limits, move.jerk_limited(), config_.tick_s, shapers_[spare],
+                        tracks_[active_track_ ^ 1], start, signal_from_counts(move.target_counts));
   Quantity binding = Quantity::kDuration;
   if (plan.distance == 0.0) {
     report.zero_delay_met = true;

@@ -26,6 +26,9 @@ struct Move {
   AxisLimits limits;  // counts/s^n, at most the axis's maximum; promises about what leaves the shaper
   double duration_s;  // 0: the least time. Otherwise at least that; a multiple of the tick (rounded to the nearest)
   bool zero_delay;  // the *shaped* move ends within duration_s (Li 2017); with duration_s 0: the least the limits allow
+  ProfileDetail detail = {};  // for the kinds that need it
+
+  bool jerk_limited() const { return limits_jerk(kind, detail); }
 };
 
 // What a move that was accepted will do.

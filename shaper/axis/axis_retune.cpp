@@ -56,8 +56,8 @@ bool AxisCore::find_blend(const AxisState& now) {
   if (!old.configure(running(), memory_[active_shaper_ ^ 1] + used, capacity_ - used, now.setpoint).ok()) return false;
   const Track& track = tracks_[active_track_];
   const uint32_t stages = old.stage_count() > next.stage_count() ? old.stage_count() : next.stage_count();
-  const BlendLimits limits =
-      BlendLimits::make(move_.limits, move_.kind, config_.tick_s, stages, track.target() >= signal_of(track.start));
+  const BlendLimits limits = BlendLimits::make(move_.limits, move_.jerk_limited(), config_.tick_s, stages,
+                                               track.target() >= signal_of(track.start));
   const uint32_t began = load(move_began_);
   const uint32_t ahead = blend_lead_ + next.length_ticks() + 1;
   BlendWindow window{};

@@ -4,6 +4,7 @@
 #include <float.h>
 
 #include "shaper/base/math.hpp"
+#include "shaper/profile/curve_plan.hpp"
 
 namespace stillpoint {
 
@@ -136,10 +137,10 @@ uint32_t whole_ticks(double ticks) {
   return whole < 1.0 ? 1 : static_cast<uint32_t>(whole);
 }
 
-Status plan_rest_to_rest(double distance, const AxisLimits& limits, ProfileKind kind, double tick_s, Plan& out) {
+Status plan_rest_to_rest(double distance, const AxisLimits& limits, ProfileKind kind, double tick_s, Plan& out,
+                         const ProfileDetail& detail) {
   if (!math::is_finite(distance)) return refuse(Error::kNotFinite, Quantity::kDistance, distance);
-  if (kind != ProfileKind::kSCurve && kind != ProfileKind::kTrapezoid)
-    return refuse(Error::kNotAvailable, Quantity::kKind, static_cast<double>(kind));
+  if (kind > ProfileKind::kTable) return refuse(Error::kNotAvailable, Quantity::kKind, static_cast<double>(kind));
   const Status status = limits.validate();
   if (!status.ok()) return status;
   if (!math::is_finite(tick_s)) return refuse(Error::kNotFinite, Quantity::kTick, tick_s);
@@ -148,6 +149,7 @@ Status plan_rest_to_rest(double distance, const AxisLimits& limits, ProfileKind 
     out = Plan{};
     return kOk;
   }
+  if (kind >= ProfileKind::kSin2) return plan_curve(distance, limits, kind, tick_s, detail, out);
   const double per_distance = 1.0 / math::abs(distance);
   const double tick_2 = tick_s * tick_s;
   const UnitLimits unit{moderate(limits.velocity * per_distance * tick_s),
@@ -161,6 +163,7 @@ Status plan_rest_to_rest(double distance, const AxisLimits& limits, ProfileKind 
   out.distance = distance;
   out.start_velocity = 0.0;
   out.optimum_ticks = ticks;
+  out.piece_count = 0;
   write_segments(out, phases, whole_ticks(ticks));
   return kOk;
 }
@@ -168,7 +171,7 @@ Status plan_rest_to_rest(double distance, const AxisLimits& limits, ProfileKind 
 Status stretch(Plan& plan, uint32_t duration_ticks) {
   if (duration_ticks > kMaxDurationTicks)
     return refuse(Error::kAboveMaximum, Quantity::kDuration, duration_ticks, kMaxDurationTicks);
-  if (plan.segment_count == 0) {
+  if (plan.segment_count + plan.piece_count == 0) {
     plan.duration_ticks = duration_ticks;
     return kOk;
   }
@@ -181,12 +184,13 @@ Status stretch(Plan& plan, uint32_t duration_ticks) {
     plan.segments[i].acceleration *= per_factor * per_factor;
     plan.segments[i].jerk *= per_factor * per_factor * per_factor;
   }
+  for (uint32_t i = 0; i < plan.piece_count; ++i) plan.pieces[i].duration_ticks *= factor;
   plan.duration_ticks = duration_ticks;
   return kOk;
 }
 
 Peaks peaks_of(const Plan& plan, double tick_s) {
-  Peaks peaks{};
+  Peaks peaks = curve_peaks(plan);
   double velocity = plan.start_velocity;
   const auto raise = [](double& peak, double value) {
     if (math::abs(value) > peak) peak = math::abs(value);

@@ -191,6 +191,7 @@ void make_switches(const Plan& plan, const Differences& start, double accelerati
   out.end = start;
   out.duration_ticks = plan.duration_ticks;
   out.switch_count = 0;
+  out.part_count = 0;
   if (plan.duration_ticks != 0) add_segments(out, plan, acceleration, jerk);
 }
 
@@ -212,6 +213,14 @@ StartMotion motion_of(const Differences& state, double tick_s) {
 }
 
 void Track::make(const Plan& plan, Signal start, Signal target, Track& out) {
+  if (plan.piece_count != 0) {
+    out.start = standing(start);
+    out.end = standing(target);
+    out.duration_ticks = plan.duration_ticks;
+    out.switch_count = 0;
+    out.part_count = make_curve(plan, start, target, out.parts);
+    return;
+  }
   Differences moving = standing(start);
   moving.difference[1] = wide(plan.start_velocity);
   make_switches(plan, moving, 0.0, 0.0, out);
@@ -236,6 +245,10 @@ void Track::make_uncorrected(const Plan& plan, Signal start, Track& out) {
 }
 
 Differences Track::differences_at(uint32_t tick, uint32_t& next_switch) const {
+  if (tick < duration_ticks && is_curve()) {
+    next_switch = 0;
+    return differences_on(parts, part_count, tick);
+  }
   if (tick < duration_ticks) return added_up(*this, tick, next_switch);
   next_switch = switch_count;
   Differences state = end;
