@@ -5,6 +5,7 @@
 
 #include "shaper/base/math.hpp"
 #include "shaper/profile/curve_plan.hpp"
+#include "shaper/profile/matched.hpp"
 
 namespace stillpoint {
 
@@ -140,7 +141,7 @@ uint32_t whole_ticks(double ticks) {
 Status plan_rest_to_rest(double distance, const AxisLimits& limits, ProfileKind kind, double tick_s, Plan& out,
                          const ProfileDetail& detail) {
   if (!math::is_finite(distance)) return refuse(Error::kNotFinite, Quantity::kDistance, distance);
-  if (kind > ProfileKind::kTable) return refuse(Error::kNotAvailable, Quantity::kKind, static_cast<double>(kind));
+  if (kind > ProfileKind::kMatched) return refuse(Error::kNotAvailable, Quantity::kKind, static_cast<double>(kind));
   const Status status = limits.validate();
   if (!status.ok()) return status;
   if (!math::is_finite(tick_s)) return refuse(Error::kNotFinite, Quantity::kTick, tick_s);
@@ -149,6 +150,7 @@ Status plan_rest_to_rest(double distance, const AxisLimits& limits, ProfileKind 
     out = Plan{};
     return kOk;
   }
+  if (kind == ProfileKind::kMatched) return plan_matched(distance, limits, tick_s, detail, out);
   if (kind >= ProfileKind::kSin2) return plan_curve(distance, limits, kind, tick_s, detail, out);
   const double per_distance = 1.0 / math::abs(distance);
   const double tick_2 = tick_s * tick_s;
@@ -164,6 +166,7 @@ Status plan_rest_to_rest(double distance, const AxisLimits& limits, ProfileKind 
   out.start_velocity = 0.0;
   out.optimum_ticks = ticks;
   out.piece_count = 0;
+  out.matched = {};
   write_segments(out, phases, whole_ticks(ticks));
   return kOk;
 }
@@ -176,6 +179,10 @@ Status stretch(Plan& plan, uint32_t duration_ticks) {
     return kOk;
   }
   if (duration_ticks == 0) return refuse(Error::kNotPositive, Quantity::kDuration, 0.0, 1.0);
+  if (plan.matched.form != MatchedForm::kNone) {
+    write_matched(plan, duration_ticks);
+    return kOk;
+  }
   const double factor = static_cast<double>(duration_ticks) / plan.duration_ticks;
   const double per_factor = 1.0 / factor;
   plan.start_velocity *= per_factor;

@@ -44,8 +44,23 @@ struct CurvePiece {
   double length;  // signed
 };
 
-constexpr size_t kMaxPieces = 3;                           // ramp, cruise, ramp
-constexpr size_t kMaxSegments = 10;                        // from rest to rest 7; see plan_from.hpp for the others
+constexpr size_t kMaxPieces = 3;  // ramp, cruise, ramp
+
+// How a kMatched plan is put together; see matched.hpp. Times in ticks.
+enum class MatchedForm : uint8_t { kNone, kRamps, kVelocity, kShifted };
+struct BoxPair {
+  double first;
+  double second;
+};
+struct MatchedShape {
+  MatchedForm form;
+  double half;   // from the base to its repetition, at the optimum
+  double decay;  // how much of it is repeated
+  BoxPair up;    // whose convolution is the base's ramp
+  BoxPair down;
+};
+
+constexpr size_t kMaxSegments = 16;  // from rest to rest 7, matched 16; see plan_from.hpp for the others
 constexpr uint32_t kMaxDurationTicks = UINT32_C(1) << 30;  // 12 days at 1 ms
 
 struct Plan {
@@ -57,6 +72,7 @@ struct Plan {
   Segment segments[kMaxSegments];
   uint32_t piece_count;  // not 0: the move is these pieces, and there are no segments
   CurvePiece pieces[kMaxPieces];
+  MatchedShape matched;
 };
 
 // Largest magnitudes that a plan reaches, unit/s^n.
