@@ -67,7 +67,8 @@ TableData read_table(const std::string& path) {
   TableData data{};
   data.order = lines.value_of("order", kMaxTableOrder);
   data.spans = lines.value_of("spans", kMaxTableSpans);
-  while (lines.next()) {
+  uint32_t knots = 0;
+  for (; lines.next(); ++knots) {
     std::istringstream cells(lines.line());
     uint32_t count = 0;
     for (std::string cell; cells >> cell; ++count)
@@ -76,11 +77,9 @@ TableData read_table(const std::string& path) {
       throw bad_argument("table", lines.where(),
                          std::to_string(count) + " numbers, " + std::to_string(data.order + 1) + " are accepted");
   }
-  const size_t wanted = (size_t{data.spans} + 1) * (data.order + 1);
-  if (data.nodes.size() != wanted)
+  if (knots != data.spans + 1)
     throw bad_argument("table", path,
-                       std::to_string(data.nodes.size() / (data.order + 1)) + " knots, " +
-                           std::to_string(data.spans + 1) + " are accepted");
+                       std::to_string(knots) + " knots, " + std::to_string(data.spans + 1) + " are accepted");
   data.peaks = peaks_of_nodes(data.table());
   require(data.table().validate());
   return data;

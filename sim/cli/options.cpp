@@ -120,11 +120,13 @@ sim::MoveTask task_of(const MoveOptions& options) {
   task.counts_per_unit = unit;
   task.distance_counts = distance_counts(options, unit);
   task.profile = profile_of(options);
-  LimitOptions limits = options;
   // Kinds without a jerk limit do not look at it, but an axis wants to see one.
-  if (!task.profile.jerk_limited() && limits.jerk.empty()) limits.jerk = "1";
-  if (task.profile.jerk_limited())
+  MoveOptions limits = options;
+  if (task.profile.jerk_limited()) {
     limits.jerk = needed(options.jerk, "--jerk", "a jerk limit for the " + profile_text(task.profile));
+  } else if (options.jerk.empty()) {
+    limits.jerk = "1";
+  }
   task.limits = limits_of(limits);
   if (options.jerk.empty()) {
     task.limits.jerk = task.limits.acceleration / task.tick_s;

@@ -32,12 +32,6 @@ Plan planned(double distance, const AxisLimits& limits, const ProfileDetail& det
   return plan;
 }
 
-Plan planned_plainly(double distance, const AxisLimits& limits) {
-  Plan plan{};
-  TEST_ASSERT_OK(plan_rest_to_rest(distance, limits, ProfileKind::kSCurve, kTick, plan));
-  return plan;
-}
-
 void check_move(const Plan& plan, const AxisLimits& limits, int32_t start_counts, int32_t target_counts) {
   const Signal target = signal_from_counts(target_counts);
   static Track track;
@@ -105,6 +99,13 @@ TEST(modes_that_are_none_are_refused_by_name_and_the_plan_before_stays) {
 namespace {
 
 using Complex = std::complex<long double>;
+
+Plan planned_plainly(double distance, const AxisLimits& limits) {
+  Plan plan{};
+  TEST_ASSERT_OK(plan_rest_to_rest(distance, limits, ProfileKind::kSCurve, kTick, plan));
+  return plan;
+}
+
 constexpr long double kPi = 3.14159265358979323846264338327950288L;
 
 Complex pole_of(const ProfileDetail& detail) {
