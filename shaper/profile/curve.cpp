@@ -54,29 +54,32 @@ Ramps ramps_of(const Plan& plan) {
   return ramps;
 }
 
+// A ramp over `half` twice, run from or (backwards) towards `base`.
+CurvePart ramp_part(const CurvePiece& piece, Wide half, Wide velocity, Wide base) {
+  const Wide rate = rate_of(*piece.table, shifted_left(half, 1));
+  const Wide length = to_length(fixed_product(velocity, half));
+  if (piece.reversed) return CurvePart{piece.table, 0, Wide{0, 0}, -rate, base, -length};
+  return CurvePart{piece.table, 0, Wide{0, 0}, rate, base, length};
+}
+
 uint32_t make_ramps(const Plan& plan, Wide start, Wide target, CurvePart (&parts)[kMaxPieces]) {
   const uint32_t end = plan.duration_ticks;
+  const Wide whole = whole_ticks_of(end);
   const Ramps half = ramps_of(plan);
-  const Wide up = shifted_left(half.up, 1);
-  const Wide down = shifted_left(half.down, 1);
-  const Wide velocity = quotient(target - start, whole_ticks_of(end) - half.up - half.down);
-  const uint32_t line_tick = ceiling(up);
-  const uint32_t down_tick = ceiling(whole_ticks_of(end) - down);
+  const Wide velocity = quotient(target - start, whole - (half.up + half.down));
+  const uint32_t line_tick = ceiling(shifted_left(half.up, 1));
+  const uint32_t down_tick = ceiling(whole - shifted_left(half.down, 1));
   uint32_t count = 0;
-  if (line_tick != 0) {
-    const ProfileTable* table = plan.pieces[0].table;
-    parts[count++] =
-        CurvePart{table, 0, Wide{0, 0}, rate_of(*table, up), start, to_length(fixed_product(velocity, half.up))};
-  }
+  if (line_tick != 0) parts[count++] = ramp_part(plan.pieces[0], half.up, velocity, start);
   if (line_tick < down_tick) {
     const Wide position = start + fixed_product(velocity, whole_ticks_of(line_tick) - half.up);
     parts[count++] = CurvePart{nullptr, line_tick, position, velocity, Wide{0, 0}, Wide{0, 0}};
   }
   if (down_tick < end) {
-    const ProfileTable* table = plan.pieces[plan.piece_count - 1].table;
-    const Wide back = -rate_of(*table, down);
-    parts[count++] = CurvePart{table, down_tick, back * Wide::from_int(static_cast<int64_t>(down_tick) - end),
-                               back,  target,    -to_length(fixed_product(velocity, half.down))};
+    CurvePart& down = parts[count++];
+    down = ramp_part(plan.pieces[plan.piece_count - 1], half.down, velocity, target);
+    down.first_tick = down_tick;
+    down.local = down.rate * Wide::from_int(static_cast<int64_t>(down_tick) - end);
   }
   return count;
 }

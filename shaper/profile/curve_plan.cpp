@@ -15,32 +15,44 @@ struct SineRamp {
   double by_acceleration;
   double by_jerk;
 
-  SineRamp(double acceleration, double jerk)
-      : by_acceleration(kSineRampTable.peaks.acceleration / (2.0 * acceleration)),
-        by_jerk(math::sqrt(kSineRampTable.peaks.jerk / (2.0 * jerk))) {}
   double time(double root_velocity) const { return root_velocity * greater(by_acceleration * root_velocity, by_jerk); }
   // d(v time)/ds for s = sqrt(v)
   double slope(double s) const {
-    return s * s * (by_acceleration * s > by_jerk ? 4.0 * by_acceleration * s : 3.0 * by_jerk);
-  }
-  // Right of where v time reaches `reach`.
-  double enough(double reach) const {
-    return lesser(math::sqrt(math::sqrt(reach / by_acceleration)), math::cbrt(reach / by_jerk));
+    const double linear = by_acceleration * s;
+    return s * s * (linear > by_jerk ? 4.0 * linear : 3.0 * by_jerk);
   }
 };
 
-// The root s = sqrt(v) of the peak velocity of the shortest move without a cruise: v (T1(v) + T2(v)) = 2 D, whose left
-// side is convex in s and rises, so that Newton's steps from the right go down to the root without passing it.
-double uncruised_root_velocity(const SineRamp& up, const SineRamp& down, double reach) {
-  double s = lesser(up.enough(reach), down.enough(reach));
-  for (int step = 0; step < 64; ++step) {
-    const double excess = s * s * (up.time(s) + down.time(s)) - reach;
-    const double next = s - excess / (up.slope(s) + down.slope(s));
-    if (!(next < s)) break;
-    s = next;
+// Up and down.
+struct SineRamps {
+  SineRamp ramp[2];
+
+  explicit SineRamps(const AxisLimits& limits) {
+    const double accelerations[] = {limits.acceleration, limits.deceleration};
+    const double jerks[] = {limits.jerk, limits.braking_jerk()};
+    for (int i = 0; i < 2; ++i) {
+      ramp[i].by_acceleration = kSineRampTable.peaks.acceleration / (2.0 * accelerations[i]);
+      ramp[i].by_jerk = math::sqrt(kSineRampTable.peaks.jerk / (2.0 * jerks[i]));
+    }
   }
-  return s;
-}
+  double time(double root_velocity) const { return ramp[0].time(root_velocity) + ramp[1].time(root_velocity); }
+
+  // The root s = sqrt(v) of the peak velocity of the shortest move without a cruise: v (T1(v) + T2(v)) = 2 D, whose left
+  // side is convex in s and rises, so that Newton's steps from the right go down to the root without passing it.
+  double uncruised(double reach) const {
+    double s = 1e300;
+    for (const SineRamp& one : ramp) {  // each term alone is at most `reach` at the root
+      s = lesser(s, math::sqrt(math::sqrt(reach / one.by_acceleration)));
+      s = lesser(s, math::cbrt(reach / one.by_jerk));
+    }
+    for (int step = 0; step < 64; ++step) {
+      const double next = s - (s * s * time(s) - reach) / (ramp[0].slope(s) + ramp[1].slope(s));
+      if (!(next < s)) break;
+      s = next;
+    }
+    return s;
+  }
+};
 
 // The durations of ramp, cruise, ramp, seconds.
 struct Phases {
@@ -51,28 +63,26 @@ struct Phases {
 };
 
 Phases shortest_sine(double distance, const AxisLimits& limits) {
-  const SineRamp up(limits.acceleration, limits.jerk);
-  const SineRamp down(limits.deceleration, limits.braking_jerk());
+  const SineRamps ramps(limits);
   double s = math::sqrt(limits.velocity);
-  double cruise = distance / limits.velocity - (up.time(s) + down.time(s)) / 2.0;
+  double cruise = distance / limits.velocity - ramps.time(s) / 2.0;
   if (!(cruise > 0.0)) {
-    s = lesser(uncruised_root_velocity(up, down, 2.0 * distance), s);
+    s = lesser(ramps.uncruised(2.0 * distance), s);
     cruise = 0.0;
   }
-  return Phases{up.time(s), cruise, down.time(s)};
+  return Phases{ramps.ramp[0].time(s), cruise, ramps.ramp[1].time(s)};
 }
 
 void write_sine(const Phases& phases, Plan& plan) {
   const double factor = plan.duration_ticks / phases.time();
-  const double up = phases.up * factor;
-  const double down = phases.down * factor;
-  const double velocity = plan.distance / (plan.duration_ticks - (up + down) / 2.0);
-  plan.pieces[plan.piece_count++] = CurvePiece{&kSineRampTable, false, up, velocity * up / 2.0};
-  if (phases.cruise > 0.0) {
-    const double cruise = phases.cruise * factor;
-    plan.pieces[plan.piece_count++] = CurvePiece{nullptr, false, cruise, velocity * cruise};
-  }
-  plan.pieces[plan.piece_count++] = CurvePiece{&kSineRampTable, true, down, velocity * down / 2.0};
+  const double velocity = plan.distance / (plan.duration_ticks - (phases.up + phases.down) * factor / 2.0);
+  const auto add = [&](const ProfileTable* table, bool reversed, double time, double mean) {
+    const double ticks = time * factor;
+    plan.pieces[plan.piece_count++] = CurvePiece{table, reversed, ticks, mean * ticks};
+  };
+  add(&kSineRampTable, false, phases.up, velocity / 2.0);
+  if (phases.cruise > 0.0) add(nullptr, false, phases.cruise, velocity);
+  add(&kSineRampTable, true, phases.down, velocity / 2.0);
 }
 
 double shortest_table(const ProfileTable& table, double distance, const AxisLimits& limits) {

@@ -24,18 +24,17 @@ struct RampLimits {
 struct Task {
   double distance;
   double velocity;
-  RampLimits up;
-  RampLimits down;
+  RampLimits ramp[2];  // up and down
 };
 
 // Two boxes whose convolution is the S-curve's ramp over `velocity`.
 BoxPair plain_ramp(double velocity, const RampLimits& limits) {
   const double jerk_ticks = limits.acceleration / limits.jerk;
   const double by_acceleration = velocity / limits.acceleration;
-  const double triangle = math::sqrt(velocity / limits.jerk);
-  const bool triangular = by_acceleration < jerk_ticks;
-  return BoxPair{greater(triangular ? triangle : jerk_ticks, kShortestBox),
-                 greater(triangular ? triangle : by_acceleration, kShortestBox)};
+  const double triangle = by_acceleration < jerk_ticks ? math::sqrt(velocity / limits.jerk) : 0.0;
+  const bool triangular = triangle != 0.0;
+  return BoxPair{{greater(triangular ? triangle : jerk_ticks, kShortestBox),
+                  greater(triangular ? triangle : by_acceleration, kShortestBox)}};
 }
 
 // The box to go with one of `half` that is followed by `decay` times itself.
@@ -48,10 +47,10 @@ BoxPair matched_ramp(double velocity, const RampLimits& limits, double half, dou
     const double spanning = room > 0.0 ? velocity * half * (1.0 - decay) / room : 2.0 * half;
     other = greater(other, spanning < 2.0 * half ? spanning : velocity / limits.acceleration);
   }
-  return BoxPair{half, other};
+  return BoxPair{{half, other}};
 }
 
-double sum(const BoxPair& pair) { return pair.first + pair.second; }
+double sum(const BoxPair& pair) { return pair.box[0] + pair.box[1]; }
 
 // A move of a form at a peak velocity (of the base), in continuous time.
 struct Candidate {
@@ -62,11 +61,17 @@ struct Candidate {
 
 Candidate at_velocity(const Task& task, MatchedForm form, double half, double decay, double velocity) {
   const bool ramps = form == MatchedForm::kRamps;
-  MatchedShape shape{form, half, decay, {}, {}};
-  shape.up = ramps ? matched_ramp(velocity, task.up, half, decay) : plain_ramp(velocity, task.up);
-  shape.down = ramps ? matched_ramp(velocity, task.down, half, decay) : plain_ramp(velocity, task.down);
-  const double down_begins = task.distance / velocity + (sum(shape.up) - sum(shape.down)) / 2.0;
-  return Candidate{shape, half + down_begins + sum(shape.down), down_begins - sum(shape.up) - (ramps ? half : 0.0)};
+  Candidate candidate{MatchedShape{form, half, decay, {}}, 0.0, 0.0};
+  BoxPair* ramp = candidate.shape.ramp;
+  for (int i = 0; i < 2; ++i) {
+    ramp[i] = ramps ? matched_ramp(velocity, task.ramp[i], half, decay) : plain_ramp(velocity, task.ramp[i]);
+  }
+  const double up = sum(ramp[0]);
+  const double down = sum(ramp[1]);
+  const double down_begins = task.distance / velocity + (up - down) / 2.0;
+  candidate.ticks = half + down_begins + down;
+  candidate.spare = down_begins - up - (ramps ? half : 0.0);
+  return candidate;
 }
 
 // The least over the peak velocity. Where there is a cruise to spare at `right` there is at any lower velocity.
@@ -77,6 +82,7 @@ struct Search {
   double decay;
 
   Candidate at(double velocity) const { return at_velocity(task, form, half, decay, velocity); }
+  double ticks(double velocity) const { return at(velocity).ticks; }
 
   double fastest() const {
     if (at(task.velocity).spare >= 0.0) return task.velocity;
@@ -92,28 +98,29 @@ struct Search {
   Candidate best() const {
     constexpr int kScan = 16;
     constexpr double kGolden = 0.6180339887498949;
-    const double right = fastest();
-    Candidate best = at(right);
+    const double step = fastest() / kScan;
     int nearest = kScan;
+    double least = ticks(nearest * step);
     for (int i = 1; i < kScan; ++i) {
-      const Candidate other = at(right * i / kScan);
-      if (other.ticks >= best.ticks) continue;
-      best = other;
+      const double other = ticks(i * step);
+      if (other >= least) continue;
+      least = other;
       nearest = i;
     }
-    double low = right * (nearest - 1) / kScan;
-    double high = right * (nearest < kScan ? nearest + 1 : kScan) / kScan;
+    double low = (nearest - 1) * step;
+    double high = (nearest < kScan ? nearest + 1 : kScan) * step;
+    double inner = low + kGolden * (high - low);
+    double inner_ticks = ticks(inner);
     for (int i = 0; i < 44; ++i) {
-      const double a = high - kGolden * (high - low);
-      const double b = low + kGolden * (high - low);
-      const Candidate left = at(a);
-      const Candidate other = at(b);
-      const bool go_left = left.ticks < other.ticks;
-      (go_left ? high : low) = go_left ? b : a;
-      const Candidate& lesser_one = go_left ? left : other;
-      if (lesser_one.ticks < best.ticks) best = lesser_one;
+      const double other = low + (high - inner);
+      const double other_ticks = ticks(other);
+      const bool better = other_ticks < inner_ticks;
+      ((other < inner) == better ? high : low) = better ? inner : other;
+      if (!better) continue;
+      inner = other;
+      inner_ticks = other_ticks;
     }
-    return best;
+    return at(inner_ticks < least ? inner : nearest * step);
   }
 };
 
@@ -127,7 +134,9 @@ double overlap(double ramp_ticks, double half, double decay) {
 // The velocity itself a box of `half`: V, then `decay` V; its ramps by the weaker limits, since they meet both.
 Candidate velocity_form(const Task& task, double half, double decay) {
   const double velocity = task.distance / (half * (1.0 + decay));
-  const RampLimits weaker{lesser(task.up.acceleration, task.down.acceleration), lesser(task.up.jerk, task.down.jerk)};
+  const RampLimits& up = task.ramp[0];
+  const RampLimits& down = task.ramp[1];
+  const RampLimits weaker{lesser(up.acceleration, down.acceleration), lesser(up.jerk, down.jerk)};
   BoxPair ramp{};
   double factor = 1.0;
   for (int i = 0; i < 3; ++i) {
@@ -136,7 +145,7 @@ Candidate velocity_form(const Task& task, double half, double decay) {
     if (reached <= factor) break;
     factor = reached;
   }
-  return Candidate{MatchedShape{MatchedForm::kVelocity, half, decay, ramp, ramp}, 2.0 * half + sum(ramp),
+  return Candidate{MatchedShape{MatchedForm::kVelocity, half, decay, {ramp, ramp}}, 2.0 * half + sum(ramp),
                    task.velocity - velocity};
 }
 
@@ -149,8 +158,9 @@ Candidate shortest(const Task& task, double half, double decay) {
   for (int n = 1; n <= kMostHalves; ++n) {
     decay_n *= decay;
     if (n % 2 == 0 && decay != 1.0) continue;
-    offer(Search{task, MatchedForm::kRamps, n * half, decay_n}.best());
     offer(velocity_form(task, n * half, decay_n));
+    if (task.distance / task.velocity + 2.0 * n * half >= best.ticks) continue;  // no such ramps are shorter
+    offer(Search{task, MatchedForm::kRamps, n * half, decay_n}.best());
   }
   return best;
 }
@@ -163,12 +173,6 @@ struct PlacedRamp {
   double jerk_ticks;
   double ticks;
   double jerk;
-
-  PlacedRamp(double begins, const BoxPair& boxes, double velocity)
-      : at(begins),
-        jerk_ticks(lesser(boxes.first, boxes.second)),
-        ticks(sum(boxes)),
-        jerk(velocity / (boxes.first * boxes.second)) {}
 
   double acceleration_at(double time) const {
     const double into = greater(lesser(time - at, ticks - (time - at)), 0.0);
@@ -195,10 +199,8 @@ struct Times {
     ++count;
   }
   void add(const PlacedRamp& ramp) {
-    add(ramp.at);
-    add(ramp.at + ramp.jerk_ticks);
-    add(ramp.at + (ramp.ticks - ramp.jerk_ticks));
-    add(ramp.at + ramp.ticks);
+    const double after[] = {0.0, ramp.jerk_ticks, ramp.ticks - ramp.jerk_ticks, ramp.ticks};
+    for (double ticks : after) add(ramp.at + ticks);
   }
 };
 
@@ -217,14 +219,9 @@ void write_segments(const PlacedRamp (&ramps)[4], double end, Plan& plan) {
   }
 }
 
-void scale(BoxPair& pair, double factor) {
-  pair.first *= factor;
-  pair.second *= factor;
-}
-
 // kVelocity's ramps, `ticks` long, or as long as the jerk of their overlap allows; the rest of the move it stands.
 double velocity_ramp_ticks(const MatchedShape& shape, double ticks) {
-  const double least = sum(shape.up);
+  const double least = sum(shape.ramp[0]);
   const double allowed = overlap(least, shape.half, shape.decay) / (least * least);
   for (int halves = 2; halves >= 1; --halves) {
     if (overlap(ticks, shape.half, shape.decay) / (ticks * ticks) <= allowed) break;
@@ -241,17 +238,18 @@ MatchedShape shape_over(const Plan& plan, double ticks) {
     factor = ticks / plan.optimum_ticks;
     shape.half *= factor;
   } else if (shape.form == MatchedForm::kVelocity) {
-    factor = velocity_ramp_ticks(shape, ticks - 2.0 * shape.half) / sum(shape.up);
+    factor = velocity_ramp_ticks(shape, ticks - 2.0 * shape.half) / sum(shape.ramp[0]);
   } else if (shape.form == MatchedForm::kShifted) {
     factor = (ticks - shape.half) / (plan.optimum_ticks - shape.half);
   }
-  scale(shape.up, factor);
-  scale(shape.down, factor);
   // Whole multiples of the last bit of the duration, so that sums and differences of times are exact: a ramp of a tick
   // would else end a rounding of a thousand ticks beside its velocity. Upwards, where the limits are kept.
   const double bit = math::power_of_two(math::binary_of(ticks).exponent - math::kMantissaBits);
-  double* const times[] = {&shape.half, &shape.up.first, &shape.up.second, &shape.down.first, &shape.down.second};
-  for (double* time : times) *time = math::ceil(*time / bit) * bit;
+  const auto whole_bits = [bit](double time) { return math::ceil(time / bit) * bit; };
+  shape.half = whole_bits(shape.half);
+  for (BoxPair& pair : shape.ramp) {
+    for (double& box : pair.box) box = whole_bits(box * factor);
+  }
   return shape;
 }
 
@@ -260,12 +258,19 @@ MatchedShape shape_over(const Plan& plan, double ticks) {
 void write_matched(Plan& plan, uint32_t duration_ticks) {
   const MatchedShape shape = shape_over(plan, duration_ticks);
   const bool by_velocity = shape.form == MatchedForm::kVelocity;
-  const double begins = by_velocity ? shape.half : duration_ticks - shape.half - sum(shape.down);
-  const double velocity = plan.distance / (begins + (sum(shape.down) - sum(shape.up)) / 2.0);
-  const double first = velocity / (1.0 + shape.decay);
-  const PlacedRamp ramps[] = {PlacedRamp(0.0, shape.up, first), PlacedRamp(begins, shape.down, -first),
-                              PlacedRamp(shape.half, shape.up, first * shape.decay),
-                              PlacedRamp(begins + shape.half, shape.down, -first * shape.decay)};
+  const double begins = by_velocity ? shape.half : duration_ticks - shape.half - sum(shape.ramp[1]);
+  const double velocity = plan.distance / (begins + (sum(shape.ramp[1]) - sum(shape.ramp[0])) / 2.0);
+  PlacedRamp ramps[4];
+  for (int i = 0; i < 4; ++i) {
+    const BoxPair& boxes = shape.ramp[i % 2];
+    const bool repeated = i >= 2;
+    const double share = (repeated ? shape.decay : 1.0) / (1.0 + shape.decay);
+    const double jerk = velocity * share / (boxes.box[0] * boxes.box[1]);
+    ramps[i].at = (i % 2 == 0 ? 0.0 : begins) + (repeated ? shape.half : 0.0);
+    ramps[i].jerk_ticks = lesser(boxes.box[0], boxes.box[1]);
+    ramps[i].ticks = sum(boxes);
+    ramps[i].jerk = i % 2 == 0 ? jerk : -jerk;
+  }
   write_segments(ramps, duration_ticks, plan);
   plan.duration_ticks = duration_ticks;
 }
@@ -284,9 +289,10 @@ Status plan_matched(double distance, const AxisLimits& limits, double tick_s, co
   const double decay = math::exp(-math::kPi * damping / root);
   const double tick_2 = tick_s * tick_s;
   const double tick_3 = tick_2 * tick_s;
-  const Task task{math::abs(distance), limits.velocity * tick_s,
-                  RampLimits{limits.acceleration * tick_2, limits.jerk * tick_3},
-                  RampLimits{limits.deceleration * tick_2, limits.braking_jerk() * tick_3}};
+  const Task task{math::abs(distance),
+                  limits.velocity * tick_s,
+                  {RampLimits{limits.acceleration * tick_2, limits.jerk * tick_3},
+                   RampLimits{limits.deceleration * tick_2, limits.braking_jerk() * tick_3}}};
   const Candidate best = shortest(task, half, decay);
   if (!(best.ticks <= kMaxDurationTicks))
     return refuse(Error::kAboveMaximum, Quantity::kDuration, best.ticks * tick_s, kMaxDurationTicks * tick_s);

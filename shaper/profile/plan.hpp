@@ -49,15 +49,13 @@ constexpr size_t kMaxPieces = 3;  // ramp, cruise, ramp
 // How a kMatched plan is put together; see matched.hpp. Times in ticks.
 enum class MatchedForm : uint8_t { kNone, kRamps, kVelocity, kShifted };
 struct BoxPair {
-  double first;
-  double second;
+  double box[2];
 };
 struct MatchedShape {
   MatchedForm form;
-  double half;   // from the base to its repetition, at the optimum
-  double decay;  // how much of it is repeated
-  BoxPair up;    // whose convolution is the base's ramp
-  BoxPair down;
+  double half;      // from the base to its repetition, at the optimum
+  double decay;     // how much of it is repeated
+  BoxPair ramp[2];  // up and down: whose convolution is the base's ramp
 };
 
 constexpr size_t kMaxSegments = 16;  // from rest to rest 7, matched 16; see plan_from.hpp for the others

@@ -196,6 +196,24 @@ TEST(the_motion_on_a_curve_is_that_of_its_neighbouring_samples) {
   }
 }
 
+TEST(curves_are_the_same_bits_everywhere) {
+  // GIVEN moves of every kind WHEN the setpoints are hashed (FNV-1a) THEN every machine prints this number
+  const ProfileTable table = uneven();
+  const ProfileKind kinds[] = {ProfileKind::kSin2, ProfileKind::kPoly5, ProfileKind::kPoly7, ProfileKind::kTable};
+  const int32_t targets[] = {170000, -1, 123457};
+  uint64_t hash = UINT64_C(0xcbf29ce484222325);
+  for (unsigned i = 0; i < 12; ++i) {
+    const int32_t target = targets[i % 3];
+    Run run;
+    run.begin(planned(target, {1.2e6, 20e6, 30e6, 600e6, 900e6}, kinds[i / 3], &table), 0, signal_from_counts(target));
+    while (!run.sampler.at_rest()) {
+      uint64_t bits = static_cast<uint64_t>(run.sampler.tick());
+      for (int byte = 0; byte < 8; ++byte, bits >>= 8) hash = (hash ^ (bits & 0xFF)) * UINT64_C(0x100000001b3);
+    }
+  }
+  TEST_ASSERT_EQUAL_UINT64(UINT64_C(4435051510274032439), hash);
+}
+
 TEST(tables_that_are_no_move_are_refused_by_name_and_the_plan_before_stays) {
   const AxisLimits limits{1.0, 2.0, 3.0, 4.0};
   Plan plan = planned(1.0, limits, ProfileKind::kPoly5);

@@ -77,6 +77,24 @@ TEST(every_form_arrives_within_its_limits_stretched_too) {
   }
 }
 
+TEST(matched_moves_are_the_same_bits_everywhere) {
+  // GIVEN a move of every form WHEN the setpoints are hashed (FNV-1a) THEN every machine prints this number
+  static Track track;
+  uint64_t hash = UINT64_C(0xcbf29ce484222325);
+  const int32_t targets[] = {1700000, -40000, 12};
+  for (unsigned i = 0; i < 3; ++i) {
+    const Plan plan = planned(targets[i], kReference, mode(11.0, 0.05));
+    Track::make(plan, 0, signal_from_counts(targets[i]), track);
+    Sampler sampler;
+    sampler.begin(track);
+    while (!sampler.at_rest()) {
+      uint64_t bits = static_cast<uint64_t>(sampler.tick());
+      for (int byte = 0; byte < 8; ++byte, bits >>= 8) hash = (hash ^ (bits & 0xFF)) * UINT64_C(0x100000001b3);
+    }
+  }
+  TEST_ASSERT_EQUAL_UINT64(UINT64_C(27244860289176387), hash);
+}
+
 TEST(modes_that_are_none_are_refused_by_name_and_the_plan_before_stays) {
   Plan plan = planned(1000.0, kReference, mode(11.0, 0.1));
   const uint32_t before = plan.duration_ticks;
