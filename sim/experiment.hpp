@@ -42,7 +42,8 @@ using OnProgress = std::function<void(double)>;
 // Longest move that is recorded: every tick is kept, and looked at several times over.
 constexpr uint32_t kMostRecordedTicks = 20000000;
 
-// Runs the move, which is from rest, through an Axis of its own. Throws a Refusal where the axis refuses or the recording would be too long.
+// Runs the move, which is from rest, through an Axis of its own. Throws a Refusal where the axis refuses or the
+// recording would be too long.
 Recording run_axis(const MoveTask& task, const ShaperDesign& design, const OnProgress& on_progress = {});
 
 // The plan behind a move: as run_axis emits it where that took `duration_ticks`; from a start in motion as it is, in

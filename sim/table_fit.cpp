@@ -67,7 +67,7 @@ Real horner(const std::array<Real, kMostCoefficients>& c, Real x) {
   return sum;
 }
 
-// Symmetric, positive definite, `width` numbers a row from the diagonal on. Solved by Cholesky's method within the band.
+// Symmetric, positive definite, `width` numbers a row from the diagonal on. Solved by Cholesky's method in the band.
 class BandSystem {
  public:
   BandSystem(size_t size, size_t width) : width_(width), rows_(size, std::vector<Real>(width)), right_(size) {}

@@ -18,8 +18,8 @@ struct ShapeSample {
 using ShapeSamples = std::vector<ShapeSample>;
 
 // `time,position` lines of a CSV file, in any unit and from anywhere: made a move from 0 to 1. With a header that names
-// time_s and position those two columns (as `profile --csv` writes them), else the first two; a single column: positions
-// at equal times. Lines that start with '#' are passed over. Throws a Refusal.
+// time_s and position those two columns (as `profile --csv` writes them), else the first two; of a single column, the
+// positions at equal times. Lines that start with '#' are passed over. Throws a Refusal.
 ShapeSamples read_shape(const std::string& path);
 
 // Of a move of any kind, at least `least` of them: planned in units of 2^30 counts, on ticks as short as that takes.
