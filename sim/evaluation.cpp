@@ -29,7 +29,7 @@ double slowest_hz(const ArmModes& arm) {
   return slowest;
 }
 
-// Largest differences of the setpoints, LSB: along the move, or, from a start in motion, while the speed grows or falls.
+// Largest differences of the setpoints, LSB: along the move; from a start in motion, while the speed grows or falls.
 struct Extremes {
   long double velocity;
   long double acceleration;

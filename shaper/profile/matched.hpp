@@ -28,8 +28,8 @@ namespace stillpoint {
 Status plan_matched(double distance, const AxisLimits& limits, double tick_s, const ProfileDetail& detail, Plan& out);
 
 // Writes the segments of `plan.matched` over a duration above 0. Longer than the optimum each keeps its match, and its
-// limits: kRamps cruises longer, kVelocity and kShifted slow down their ramps or their base (kVelocity stands early where
-// slower ramps would overlap at a higher jerk). Shorter, all of it is sped up, and the mode that it leaves still with it.
+// limits: kRamps cruises longer, kVelocity and kShifted slow down their ramps or their base (kVelocity stands early
+// where slower ramps would overlap at a higher jerk). Shorter, all of it is sped up, and the mode it leaves still too.
 void write_matched(Plan& plan, uint32_t duration_ticks);
 
 }  // namespace stillpoint

@@ -38,8 +38,8 @@ struct ProfileTable {
   // Order 1 steps in acceleration, as a trapezoid does.
   bool limits_jerk() const { return order > 1; }
 
-  // Refuses, as Quantity::kTable, what is no move from rest at 0 to rest at 1: an order not 1 to 3, 0 spans or more than
-  // kMaxTableSpans, no nodes, ends elsewhere or with a velocity or (from order 2 on) an acceleration, nodes beyond
+  // Refuses, as Quantity::kTable, what is no move from rest at 0 to rest at 1: an order not 1 to 3, 0 spans or more
+  // than kMaxTableSpans, no nodes, ends elsewhere or with a velocity or (from order 2 on) an acceleration, nodes beyond
   // kLargestNode, peaks that are not finite and above zero. O(nodes), background.
   Status validate() const;
 
