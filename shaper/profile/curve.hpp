@@ -24,9 +24,9 @@ struct CurvePart {
 
 struct Differences;
 
-// From rest at `start` to rest at `target`, the plan's pieces; parts without a tick are left out. The plan's own doubles
-// give the durations; what follows from them (the velocity of a cruise, where each part begins) is computed to 2^-96 of
-// a count, so that the parts meet and the last one ends on the target. Returns how many parts. Background.
+// From rest at `start` to rest at `target`, the plan's pieces; parts without a tick are left out. The plan's own
+// doubles give the durations; what follows from them (the velocity of a cruise, where each part begins) is computed to
+// 2^-96 of a count, so that the parts meet and the last one ends on the target. Returns how many parts. Background.
 uint32_t make_curve(const Plan& plan, Signal start, Signal target, CurvePart (&parts)[kMaxPieces]);
 
 // Position and forward differences of the curve's value and derivatives at a tick. Background.

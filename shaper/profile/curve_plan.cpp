@@ -37,8 +37,8 @@ struct SineRamps {
   }
   double time(double root_velocity) const { return ramp[0].time(root_velocity) + ramp[1].time(root_velocity); }
 
-  // The root s = sqrt(v) of the peak velocity of the shortest move without a cruise: v (T1(v) + T2(v)) = 2 D, whose left
-  // side is convex in s and rises, so that Newton's steps from the right go down to the root without passing it.
+  // The root s = sqrt(v) of the peak velocity of the shortest move without a cruise: v (T1(v) + T2(v)) = 2 D, whose
+  // left side is convex in s and rises, so that Newton's steps from the right go down to the root without passing it.
   double uncruised(double reach) const {
     double s = 1e300;
     for (const SineRamp& one : ramp) {  // each term alone is at most `reach` at the root

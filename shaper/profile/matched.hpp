@@ -21,8 +21,8 @@
 namespace stillpoint {
 
 // The shortest of the three within the limits, as plan_rest_to_rest does it for kMatched, other arguments checked.
-// The optimum is the least over the form and the peak velocity, by a scan of 16 and golden sections. A ramp's boxes last
-// 1/1024 of a tick at least.
+// The optimum is the least over the form and the peak velocity, by a scan of 16 and golden sections. A ramp's boxes
+// last 1/1024 of a tick at least.
 // Refuses a frequency not finite, not above zero or above half the tick's rate, a damping ratio outside [0, 1), a move
 // of more than kMaxDurationTicks. Cost: some 500 evaluations of a pair of ramps.
 Status plan_matched(double distance, const AxisLimits& limits, double tick_s, const ProfileDetail& detail, Plan& out);
