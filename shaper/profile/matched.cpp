@@ -225,7 +225,7 @@ double velocity_ramp_ticks(const MatchedShape& shape, double ticks) {
   const double allowed = overlap(least, shape.half, shape.decay) / (least * least);
   for (int halves = 2; halves >= 1; --halves) {
     if (overlap(ticks, shape.half, shape.decay) / (ticks * ticks) <= allowed) break;
-    ticks = lesser(ticks, greater(halves * shape.half, least));
+    ticks = lesser(ticks, greater(halves * shape.half * (1.0 - 0x1p-40), least));  // whatever rounding does to them
   }
   return ticks;
 }
@@ -243,9 +243,9 @@ MatchedShape shape_over(const Plan& plan, double ticks) {
     factor = (ticks - shape.half) / (plan.optimum_ticks - shape.half);
   }
   // Whole multiples of the last bit of the duration, so that sums and differences of times are exact: a ramp of a tick
-  // would else end a rounding of a thousand ticks beside its velocity. Upwards, where the limits are kept.
+  // would else end a rounding of a thousand ticks beside its velocity. Downwards, so that ramps that meet do not overlap.
   const double bit = math::power_of_two(math::binary_of(ticks).exponent - math::kMantissaBits);
-  const auto whole_bits = [bit](double time) { return math::ceil(time / bit) * bit; };
+  const auto whole_bits = [bit](double time) { return math::floor(time / bit) * bit; };
   shape.half = whole_bits(shape.half);
   for (BoxPair& pair : shape.ramp) {
     for (double& box : pair.box) box = whole_bits(box * factor);
