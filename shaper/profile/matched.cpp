@@ -243,7 +243,7 @@ MatchedShape shape_over(const Plan& plan, double ticks) {
     factor = (ticks - shape.half) / (plan.optimum_ticks - shape.half);
   }
   // Whole multiples of the last bit of the duration, so that sums and differences of times are exact: a ramp of a tick
-  // would else end a rounding of a thousand ticks beside its velocity. Downwards, so that ramps that meet do not overlap.
+  // would else end a rounding of a thousand ticks beside its velocity. Downwards: ramps that meet do not overlap.
   const double bit = math::power_of_two(math::binary_of(ticks).exponent - math::kMantissaBits);
   const auto whole_bits = [bit](double time) { return math::floor(time / bit) * bit; };
   shape.half = whole_bits(shape.half);
