@@ -256,9 +256,12 @@ MatchedShape shape_over(const Plan& plan, double ticks) {
 }  // namespace
 
 void write_matched(Plan& plan, uint32_t duration_ticks) {
-  const MatchedShape shape = shape_over(plan, duration_ticks);
+  MatchedShape shape = shape_over(plan, duration_ticks);
   const bool by_velocity = shape.form == MatchedForm::kVelocity;
   const double begins = by_velocity ? shape.half : duration_ticks - shape.half - sum(shape.ramp[1]);
+  // Where there is no cruise, rounding must not make the ramps overlap.
+  const double overlapping = sum(shape.ramp[0]) + (shape.form == MatchedForm::kRamps ? shape.half : 0.0) - begins;
+  if (overlapping > 0.0 && !by_velocity) shape.ramp[0].box[1] -= overlapping;
   const double velocity = plan.distance / (begins + (sum(shape.ramp[1]) - sum(shape.ramp[0])) / 2.0);
   PlacedRamp ramps[4];
   for (int i = 0; i < 4; ++i) {
