@@ -88,7 +88,7 @@ Status AxisCore::command(const Move& move, MoveReport* report) {
   const double distance =
       to_double(Wide{0, static_cast<uint64_t>(wrapping_difference(target, start))}, kTrackFractionBits);
   Plan plan{};
-  status = plan_rest_to_rest(distance, move.limits, move.kind, config_.tick_s, plan);
+  status = plan_rest_to_rest(distance, move.limits, move.kind, config_.tick_s, plan, move.detail);
   const uint32_t least_ticks = plan.duration_ticks;
   if (status.ok() && !running().averages()) status = slow_down_for_shaper(move, start, target, plan);
   MoveReport result{0, 0, plan.optimum_ticks, false};
@@ -123,8 +123,8 @@ Status AxisCore::slow_down_for_shaper(const Move& move, Signal start, Signal tar
                   kMaxDurationTicks * config_.tick_s);
   uint32_t ticks = static_cast<uint32_t>(enough);
   if (plan.duration_ticks <= kLongestSearchTicks) {
-    ShapedMoveCheck check(plan, limits, move.kind, config_.tick_s, shapers_[spare], tracks_[active_track_ ^ 1], start,
-                          target);
+    ShapedMoveCheck check(plan, limits, move.jerk_limited(), config_.tick_s, shapers_[spare],
+                          tracks_[active_track_ ^ 1], start, target);
     ticks = check.least_slowed_ticks(plan.duration_ticks, ticks);
   }
   return stretch(plan, ticks);
@@ -147,8 +147,8 @@ Status AxisCore::time_zero_delay(const Move& move, Signal start, Signal target, 
   const uint32_t spare = active_shaper_ ^ 1;
   Status status = shapers_[spare].configure(running(), memory_[spare], capacity_, start);
   if (!status.ok()) return status;
-  ShapedMoveCheck check(plan, move.limits, move.kind, config_.tick_s, shapers_[spare], tracks_[active_track_ ^ 1],
-                        start, target);
+  ShapedMoveCheck check(plan, move.limits, move.jerk_limited(), config_.tick_s, shapers_[spare],
+                        tracks_[active_track_ ^ 1], start, target);
   Quantity binding = Quantity::kDuration;
   if (plan.distance == 0.0) {
     report.zero_delay_met = true;

@@ -40,7 +40,10 @@ struct Move {
   AxisLimits limits;  // counts/s^n, at most the axis's maximum; promises about what leaves the shaper
   double duration_s;  // 0: the least time. Otherwise at least that; a multiple of the tick (rounded to the nearest)
   bool zero_delay;  // the *shaped* move ends within duration_s (Li 2017); with duration_s 0: the least the limits allow
+  ProfileDetail detail = {};                // for the kinds that need it
   Approach approach = Approach::kShortest;  // of a rotary axis; a linear one ignores it
+
+  bool jerk_limited() const { return limits_jerk(kind, detail); }
 };
 
 // What a move that was accepted will do. In flight the ticks count from where it takes over.

@@ -27,7 +27,7 @@ class ShapedMoveCheck {
  public:
   // `scratch` and `track` are overwritten; the shaper's lines go to `memory`. `plan` is the move at its least duration
   // within the limits, in counts.
-  ShapedMoveCheck(const Plan& plan, const AxisLimits& limits, ProfileKind kind, double tick_s, Shaper& scratch,
+  ShapedMoveCheck(const Plan& plan, const AxisLimits& limits, bool jerk_limited, double tick_s, Shaper& scratch,
                   Track& track, Signal start, Signal target);
 
   // The first limit that the shaped stream breaks when the profile takes `profile_ticks`; kNone if it keeps all.

@@ -15,11 +15,6 @@ constexpr int kRootBits = 31;  // of root()
 
 int64_t saturated(double value) { return value < 4.0e18 ? static_cast<int64_t>(value) : kMotionLimit - 1; }
 
-// low 64 bits of value / 2^bits, 0 <= bits < 64
-uint64_t shifted_right(Wide value, int bits) {
-  return bits == 0 ? value.low : (value.high << (64 - bits)) | (value.low >> bits);
-}
-
 bool less(Wide a, Wide b) { return a.high != b.high ? a.high < b.high : a.low < b.low; }
 
 }  // namespace
@@ -89,7 +84,7 @@ ApproachCurve::Point ApproachCurve::while_braking(int64_t gap) const {
   const int64_t half = braking_ / 2;
   const uint64_t near = static_cast<uint64_t>(near_velocity_ + half) >> shift_;
   const Wide grown = multiply(static_cast<uint64_t>(gap - near_gap_), 2 * static_cast<uint64_t>(braking_));
-  const uint64_t velocity = root(near * near + shifted_right(grown, 2 * shift_)) << shift_;
+  const uint64_t velocity = root(near * near + shifted_right(grown, 2 * shift_).low) << shift_;
   return Point{static_cast<int64_t>(velocity) - half, braking_};
 }
 

@@ -4,6 +4,7 @@
 #include <float.h>
 
 #include "shaper/base/math.hpp"
+#include "shaper/profile/curve_plan.hpp"
 
 namespace stillpoint {
 
@@ -172,10 +173,11 @@ uint32_t whole_ticks(double ticks) {
   return whole == 0 || whole < least ? whole + 1 : whole;
 }
 
-Status plan_rest_to_rest(double distance, const AxisLimits& limits, ProfileKind kind, double tick_s, Plan& out) {
+Status plan_rest_to_rest(double distance, const AxisLimits& limits, ProfileKind kind, double tick_s, Plan& out,
+                         const ProfileDetail& detail) {
   Status status = check_finite(Quantity::kDistance, distance);
   if (!status.ok()) return status;
-  if (kind != ProfileKind::kSCurve && kind != ProfileKind::kTrapezoid)
+  if (kind > ProfileKind::kMatched || (kind == ProfileKind::kMatched && detail.planner == nullptr))
     return refuse(Error::kNotAvailable, Quantity::kKind, static_cast<double>(kind));
   status = limits.validate(tick_s);
   if (!status.ok()) return status;
@@ -183,6 +185,8 @@ Status plan_rest_to_rest(double distance, const AxisLimits& limits, ProfileKind 
     out = Plan{};
     return kOk;
   }
+  if (kind == ProfileKind::kMatched) return detail.planner(distance, limits, tick_s, detail, out);
+  if (kind >= ProfileKind::kSin2) return plan_curve(distance, limits, kind, tick_s, detail, out);
   const Phases phases = shortest(unit_limits(distance, limits, kind == ProfileKind::kSCurve, tick_s));
   const double ticks = phases.ticks();
   if (!(ticks <= kMaxDurationTicks))
@@ -190,6 +194,8 @@ Status plan_rest_to_rest(double distance, const AxisLimits& limits, ProfileKind 
   out.distance = distance;
   out.start_velocity = 0.0;
   out.optimum_ticks = ticks;
+  out.piece_count = 0;
+  out.matched = {};
   write_segments(out, phases, whole_ticks(ticks));
   return kOk;
 }
@@ -197,11 +203,15 @@ Status plan_rest_to_rest(double distance, const AxisLimits& limits, ProfileKind 
 Status stretch(Plan& plan, uint32_t duration_ticks) {
   if (duration_ticks > kMaxDurationTicks)
     return refuse(Error::kAboveMaximum, Quantity::kDuration, duration_ticks, kMaxDurationTicks);
-  if (plan.segment_count == 0) {
+  if (plan.segment_count + plan.piece_count == 0) {
     plan.duration_ticks = duration_ticks;
     return kOk;
   }
   if (duration_ticks == 0) return refuse(Error::kNotPositive, Quantity::kDuration, 0.0, 1.0);
+  if (plan.matched.write != nullptr) {
+    plan.matched.write(plan, duration_ticks);
+    return kOk;
+  }
   const double factor = static_cast<double>(duration_ticks) / plan.duration_ticks;
   const double per_factor = 1.0 / factor;
   plan.start_velocity *= per_factor;
@@ -210,12 +220,13 @@ Status stretch(Plan& plan, uint32_t duration_ticks) {
     plan.segments[i].acceleration *= per_factor * per_factor;
     plan.segments[i].jerk *= per_factor * per_factor * per_factor;
   }
+  for (uint32_t i = 0; i < plan.piece_count; ++i) plan.pieces[i].duration_ticks *= factor;
   plan.duration_ticks = duration_ticks;
   return kOk;
 }
 
 Peaks peaks_of(const Plan& plan, double tick_s) {
-  Peaks peaks{};
+  Peaks peaks = curve_peaks(plan);
   double velocity = plan.start_velocity;
   raise(peaks.velocity, velocity);
   for (uint32_t i = 0; i < plan.segment_count; ++i) {

@@ -199,6 +199,7 @@ void make_switches(const Plan& plan, const Differences& start, bool in_motion, T
   out.end = start;
   out.duration_ticks = plan.duration_ticks;
   out.switch_count = 0;
+  out.part_count = 0;
   if (plan.duration_ticks == 0) return;
   if (in_motion) {
     add_segments(out, plan, acceleration_of(start), to_counts(start.difference[3]));
@@ -228,6 +229,14 @@ StartMotion motion_of(const Differences& state, double tick_s) {
 }
 
 void Track::make(const Plan& plan, Signal start, Signal target, Track& out) {
+  if (plan.piece_count != 0) {
+    out.start = standing(start);
+    out.end = standing(target);
+    out.duration_ticks = plan.duration_ticks;
+    out.switch_count = 0;
+    out.part_count = make_curve(plan, start, target, out.parts);
+    return;
+  }
   make_switches(plan, start, out);
   end_at(target, out);
 }
@@ -250,6 +259,10 @@ void Track::make_uncorrected(const Plan& plan, Signal start, Track& out) {
 }
 
 Differences Track::differences_at(uint64_t tick, uint32_t& next_switch) const {
+  if (tick < duration_ticks && is_curve()) {
+    next_switch = 0;
+    return differences_on(parts, part_count, static_cast<uint32_t>(tick));
+  }
   if (tick < duration_ticks) return added_up(*this, static_cast<uint32_t>(tick), next_switch);
   next_switch = switch_count;
   Differences state = end;
