@@ -94,7 +94,7 @@ StreamFigures evaluate_stream(const std::vector<Signal>& setpoints, const MoveTa
   figures.within_limits = keeps(extremes.velocity, task.limits.velocity, 1) &&
                           keeps(extremes.acceleration, task.limits.acceleration, 2) &&
                           keeps(extremes.deceleration, task.limits.deceleration, 2) &&
-                          (task.kind == ProfileKind::kTrapezoid || keeps(extremes.jerk, task.limits.jerk, 3));
+                          (task.kind == ProfileKind::kTrapezoid || keeps(extremes.jerk, task.limits.larger_jerk(), 3));
   return figures;
 }
 

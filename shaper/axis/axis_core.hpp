@@ -16,6 +16,8 @@
 
 namespace stillpoint {
 
+class ShapedMoveCheck;
+
 enum class Retune : uint8_t { kAtRest, kBlended };
 
 class AxisCore {
@@ -29,10 +31,13 @@ class AxisCore {
 
   // Plans the move from where the axis stands and hands it to the tick, which starts it at its next call that allows a
   // commit. Refuses kBusy while the axis moves or something is pending; whatever plan_rest_to_rest refuses; limits
-  // above the axis's maximum; and, for zero delay, kLimitExceeded naming the limit that binds with the least
-  // duration in seconds that would do. Cost: one plan; a zero-delay move that asks more of the profile than its limits
-  // allow is checked tick by tick on the shaped stream, and the least duration searched for when it fails: at most 15
-  // runs through the stages, of at most kLongestSearchTicks and the shaper's length each. `report` may be null.
+  // above the axis's maximum; for zero delay, and behind negative gains, kLimitExceeded naming the limit that binds with
+  // the least duration in seconds that would do (the next one that is known to). Zero delay asks what report.timing
+  // says, the cheapest first: a profile within its limits, else the soonest that the shaped stream allows, slowed down
+  // to the duration wanted; of those that meet it the one with the lowest peaks.
+  // Cost: one plan. Zero delay beyond the profile's own limits: some 25 plans and 20 to 40 runs through the stages, at
+  // most SoonestSearch::kMostChecks + 2, each of at most kLongestSearchTicks and the shaper's length (a profile that is
+  // longer is not looked at). Negative gains: at most 16 runs before that. Stack: 3 KB. `report` may be null.
   Status command(const Move& move, MoveReport* report);
 
   // Changes the shaper. Refuses kBusy while something is pending, and kLineTooShort (`value` LineSamples needed, by
@@ -91,9 +96,14 @@ class AxisCore {
   Status check_ready() const;
   void offer_blend(uint32_t epoch, const AxisState& now);
   bool find_blend(const AxisState& now);
-  Status slow_down_for_shaper(const Move& move, Signal start, Plan& plan);
-  Status time_plainly(const Move& move, Plan& plan, MoveReport& report) const;
+  // move_timing.cpp
+  Status time_move(const Move& move, Signal start, Plan& plan, MoveReport& report);
+  Status time_plainly(const Move& move, Signal start, Plan& plan, MoveReport& report);
   Status time_zero_delay(const Move& move, Signal start, Plan& plan, MoveReport& report);
+  Status time_sooner(const Move& move, Signal start, uint32_t available, Plan& plan, MoveReport& report);
+  Status slow_down_for_shaper(const Move& move, Signal start, Plan& plan, MoveReport& report);
+  Status fill_spare(Signal start);
+  ShapedMoveCheck check_for(const Move& move, Signal start);
   void hand_over(Pending what, uint32_t epoch);
 
   void drop_stale_move();
