@@ -32,8 +32,9 @@ Status AxisCore::fill_spare(Signal start) {
 }
 
 ShapedMoveCheck AxisCore::check_for(const Move& move, Signal start) {
-  return ShapedMoveCheck(move.limits, move.kind, config_.tick_s, shapers_[active_shaper_ ^ 1],
-                         tracks_[active_track_ ^ 1], start, signal_from_counts(move.target_counts));
+  return ShapedMoveCheck(move.limits, move.kind != ProfileKind::kTrapezoid, config_.tick_s,
+                         shapers_[active_shaper_ ^ 1], tracks_[active_track_ ^ 1], start,
+                         signal_from_counts(move.target_counts));
 }
 
 Status AxisCore::time_move(const Move& move, Signal start, Plan& plan, MoveReport& report) {

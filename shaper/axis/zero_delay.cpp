@@ -30,7 +30,7 @@ Quantity sustained_limit(const Plan& plan, uint32_t length_ticks) {
   return limit;
 }
 
-ShapedMoveCheck::ShapedMoveCheck(const AxisLimits& limits, ProfileKind kind, double tick_s, Shaper& scratch,
+ShapedMoveCheck::ShapedMoveCheck(const AxisLimits& limits, bool jerk_limited, double tick_s, Shaper& scratch,
                                  Track& track, Signal start, Signal target)
     : scratch_(scratch), track_(track), start_(start), target_(target), tick_s_(tick_s), limit_{} {
   // Each rounding to the LSB, the profile's and one a stage, adds up to 1, 2, 4 LSB to the differences.
@@ -40,7 +40,7 @@ ShapedMoveCheck::ShapedMoveCheck(const AxisLimits& limits, ProfileKind kind, dou
   limit_[0] = limits.velocity * lsb_tick + roundings;
   limit_[1] = limits.acceleration * lsb_tick * tick_s + 2.0 * roundings;
   limit_[2] = limits.deceleration * lsb_tick * tick_s + 2.0 * roundings;
-  limit_[3] = kind == ProfileKind::kTrapezoid ? DBL_MAX : limits.larger_jerk() * lsb_tick_3 + 4.0 * roundings;
+  limit_[3] = jerk_limited ? limits.larger_jerk() * lsb_tick_3 + 4.0 * roundings : DBL_MAX;
 }
 
 Quantity ShapedMoveCheck::broken(const Plan& plan) {

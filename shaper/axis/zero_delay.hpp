@@ -26,7 +26,7 @@ Quantity sustained_limit(const Plan& plan, uint32_t length_ticks);
 class ShapedMoveCheck {
  public:
   // `scratch` and `track` are overwritten; the shaper's lines go to the memory it was configured with.
-  ShapedMoveCheck(const AxisLimits& limits, ProfileKind kind, double tick_s, Shaper& scratch, Track& track,
+  ShapedMoveCheck(const AxisLimits& limits, bool jerk_limited, double tick_s, Shaper& scratch, Track& track,
                   Signal start, Signal target);
 
   // The first limit that the shaped stream breaks; kNone if it keeps all. `plan` in counts, over the whole distance.
