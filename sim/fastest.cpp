@@ -22,17 +22,20 @@ std::vector<SpecifiedShaper> one_a_mode(ShaperKind kind, const std::vector<Mode>
 
 std::vector<Combination> combinations(const FastestQuestion& question) {
   const ProfileKind own = question.task.kind;
-  std::vector<Combination> all = {{own, {}, false}};
+  std::vector<Combination> all = {{own, {}, false, false}};
   for (uint32_t kind = 0; kind < kShaperKinds; ++kind) {
     const auto shaper = static_cast<ShaperKind>(kind);
     if (shaper == ShaperKind::kNone || shaper == ShaperKind::kCustom) continue;
-    for (const bool zero_delay : {false, true}) all.push_back({own, one_a_mode(shaper, question.modes), zero_delay});
+    for (const bool zero_delay : {false, true}) {
+      all.push_back({own, one_a_mode(shaper, question.modes), zero_delay, false});
+    }
   }
+  if (own == ProfileKind::kSCurve) all.push_back({own, {}, false, true});
   for (const ProfileKind kind : kOtherKinds) {
     // Without a jerk limit there is none to plan the others with.
     if (kind == own || own == ProfileKind::kTrapezoid) continue;
-    all.push_back({kind, {}, false});
-    all.push_back({kind, one_a_mode(ShaperKind::kZv, question.modes), true});
+    all.push_back({kind, {}, false, false});
+    all.push_back({kind, one_a_mode(ShaperKind::kZv, question.modes), true, false});
   }
   return all;
 }
@@ -47,6 +50,7 @@ std::string name_of(const Combination& combination) {
   for (size_t i = 0; i < combination.shapers.size(); ++i) {
     name += (i == 0 ? " + " : "+") + spec_text(combination.shapers[i]);
   }
+  if (combination.still) name = "still " + name;
   return combination.zero_delay ? name + ", zero delay" : name;
 }
 
@@ -103,7 +107,7 @@ FastestAnswer find_fastest(const FastestQuestion& question, const OnProgress& on
     task.zero_delay = all[i].zero_delay;
     try {
       const ShaperDesign design = design_for(all[i].shapers, task.tick_s);
-      Recording recording = run_axis(task, design);
+      Recording recording = all[i].still ? run_still(task, question.modes) : run_axis(task, design);
       FastestCandidate candidate = judge.candidate(all[i], recording, design.stage_count);
       if (answer.candidates.empty() || is_sooner(candidate, answer.candidates.front())) {
         answer.best = std::move(recording);

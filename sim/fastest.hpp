@@ -26,6 +26,7 @@ struct Combination {
   ProfileKind kind;
   std::vector<SpecifiedShaper> shapers;
   bool zero_delay;  // the soonest that the limits on the shaped stream allow
+  bool still;       // the profile is planned to leave the modes still (plan_still)
 };
 
 struct FastestCandidate {
@@ -46,7 +47,8 @@ struct FastestAnswer {
 };
 
 // Runs every combination that the axis takes: the profile alone and behind each shaper of the family, timed plainly and
-// by the shaped stream's limits; every other kind of profile that the axis plans, alone and behind a ZV. Throws a
+// by the shaped stream's limits; the profile that is planned still; every other kind that the axis plans, alone and
+// behind a ZV. Throws a
 // Refusal where the axis refuses the plain move. Cost: some 35 moves on the arm.
 FastestAnswer find_fastest(const FastestQuestion& question, const OnProgress& on_progress = {});
 

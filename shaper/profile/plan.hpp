@@ -22,7 +22,7 @@ struct Segment {
   double jerk;          // unit/tick^3
 };
 
-constexpr size_t kMaxSegments = 10;                        // from rest to rest 7; see plan_from.hpp for the others
+constexpr size_t kMaxSegments = 16;                        // from rest to rest 7; see plan_from.hpp for the others
 constexpr uint32_t kMaxDurationTicks = UINT32_C(1) << 30;  // 12 days at 1 ms
 
 struct Plan {
