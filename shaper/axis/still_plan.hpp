@@ -5,14 +5,13 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "shaper/axis/still_search.hpp"
 #include "shaper/base/status.hpp"
 #include "shaper/profile/limits.hpp"
 #include "shaper/profile/plan.hpp"
 #include "shaper/shaping/mode.hpp"
 
 namespace stillpoint {
-
-constexpr size_t kMostStillModes = 3;
 
 // Plans from rest to rest over `distance` in a time that is locally the least, so that the modes stand when the stream
 // does: its velocities have a zero at each sampled pole (reference, 3). A fast move needs few ticks more for that than
@@ -34,6 +33,5 @@ Status plan_still(double distance, const AxisLimits& limits, const Mode* modes, 
                   Plan& out);
 
 constexpr int kStillStarts = 6;
-constexpr int kStillSteps = 40;
 
 }  // namespace stillpoint
