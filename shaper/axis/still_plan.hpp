@@ -32,6 +32,6 @@ namespace stillpoint {
 Status plan_still(double distance, const AxisLimits& limits, const Mode* modes, size_t mode_count, double tick_s,
                   Plan& out);
 
-constexpr int kStillStarts = 6;
+constexpr int kStillStarts = 7;
 
 }  // namespace stillpoint

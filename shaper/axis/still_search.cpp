@@ -7,14 +7,13 @@ namespace stillpoint {
 
 namespace {
 
-constexpr double kPenalty = 30.0;  // a unit of what is not kept, against a unit of time
-constexpr double kKept = 1e-12;
+constexpr double kKept = 1e-10;
 constexpr double kFinest = 1e-4;  // of the first trust
 constexpr double kSliverTicks = 0.25;
 constexpr int kCorrections = 4;
 constexpr int kStages = 6;
 constexpr int kStageSteps = 5;
-constexpr int kLastSteps = 25;
+constexpr int kLastSteps = 40;
 
 void raise(double& largest, double value) {
   if (value > largest) largest = value;
@@ -22,8 +21,8 @@ void raise(double& largest, double value) {
 
 }  // namespace
 
-StillSearch::StillSearch(const JerkSequence& plain, double plain_ticks, const StillLimits& limits)
-    : sequence_(plain), plain_ticks_(plain_ticks), limits_(limits), mode_scale_(plain_ticks) {
+StillSearch::StillSearch(const JerkSequence& plain, double plain_ticks, const StillLimits& limits, double penalty)
+    : sequence_(plain), plain_ticks_(plain_ticks), limits_(limits), penalty_(penalty), mode_scale_(plain_ticks) {
   const JerkPath path(plain);
   for (size_t k = 0; k < kJerkParts; ++k) {
     raise(acceleration_scale_, path.after(k).acceleration);
@@ -85,7 +84,7 @@ double StillSearch::violation(const JerkSequence& sequence) const {
 }
 
 double StillSearch::merit(const JerkSequence& sequence) const {
-  return sequence.total() + kPenalty * violation(sequence);
+  return sequence.total() + penalty_ * violation(sequence);
 }
 
 void StillSearch::add(SmallLp& lp, const Row& row, double right, bool equality, const Row& low) {
@@ -197,7 +196,7 @@ JerkSequence StillSearch::corrected(const JerkSequence& sequence, double trust) 
 
 JerkSequence StillSearch::stepped(const JerkSequence& sequence, double trust) const {
   const JerkPath path(sequence);
-  SmallLp lp(kJerkParts, kPenalty);
+  SmallLp lp(kJerkParts, penalty_);
   Row low;
   for (size_t k = 0; k < kJerkParts; ++k) {
     low[k] = sequence.length[k] < trust ? -sequence.length[k] : -trust;

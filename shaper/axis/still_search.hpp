@@ -23,8 +23,9 @@ struct StillLimits {
 
 class StillSearch {
  public:
-  // `plain`: a move of total length 1 within the limits over the distance, `plain_ticks` long.
-  StillSearch(const JerkSequence& plain, double plain_ticks, const StillLimits& limits);
+  // `plain`: a move of total length 1 within the limits over the distance, `plain_ticks` long. A unit of what is not
+  // kept is worth `penalty` of time.
+  StillSearch(const JerkSequence& plain, double plain_ticks, const StillLimits& limits, double penalty);
 
   void add_mode(const Mode& mode, double tick_s);  // at most kMostStillModes
 
@@ -32,7 +33,7 @@ class StillSearch {
   void hold(size_t k) { cruise_ = k; }
 
   // The plain move is the best of those that leave the modes what it leaves them. From there it is led, in stages, to
-  // what leaves them nothing. True if everything is kept to 1e-12 in the end.
+  // what leaves them nothing. True if everything is kept to 1e-10 in the end.
   // Cost: at most kMostProgrammes linear programmes of kJerkParts variables.
   bool run();
 
@@ -59,6 +60,7 @@ class StillSearch {
   JerkSequence sequence_;
   double plain_ticks_;
   StillLimits limits_;
+  double penalty_;
   double first_trust_ = 0.1;
   double mode_scale_;  // ticks: a plain duration, or a period
   double acceleration_scale_ = 0.0;
