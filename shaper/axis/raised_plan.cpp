@@ -58,11 +58,10 @@ void SoonestSearch::keep(const Plan& plan, MoveTiming timing) {
   best_ = CheckedPlan{plan, timing, Quantity::kNone, check_.peaks(), check_.use()};
 }
 
-// A quarter shorter would be more than any shaper's peaks leave room for; the bisection starts there.
 void SoonestSearch::scale() {
   const uint32_t enough = best_.plan.duration_ticks;
   Quantity binding = Quantity::kNone;
-  const uint32_t least = check_.least_ticks(best_.plan, enough - enough / 4 - 1, enough, binding);
+  const uint32_t least = check_.least_ticks(best_.plan, 0, enough, binding);
   if (least == enough) return;
   Plan plan = best_.plan;
   if (!stretch(plan, least).ok() || check_.broken(plan) != Quantity::kNone) return;

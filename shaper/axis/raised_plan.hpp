@@ -37,7 +37,7 @@ class SoonestSearch {
   // Cost: at most kMostChecks checks, each of at most the plain plan's ticks and the shaper's; about half as many plans.
   CheckedPlan find();
 
-  static constexpr uint32_t kMostChecks = 48;
+  static constexpr uint32_t kMostChecks = 62;
 
  private:
   // Of the limits of the move.

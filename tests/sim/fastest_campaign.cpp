@@ -10,7 +10,7 @@
 
 #include "sim/fastest.hpp"
 #include "sim/refusal.hpp"
-#include "tests/sim/random_task.hpp"
+#include "tests/support/random_task.hpp"
 
 using namespace stillpoint;
 
@@ -82,8 +82,11 @@ int main(int argc, char** argv) {
   testing::Random random(seed);
   Tally tally;
   for (long i = 0; i < moves; ++i) {
-    const testing::RandomTask task = testing::random_task(random);
-    const sim::FastestQuestion question{task.task, {{task.mode, 1.0}}, {task.mode}, kTolerance};
+    const testing::RandomTask drawn = testing::random_task(random);
+    sim::MoveTask task{};
+    task.distance_counts = drawn.distance_counts;
+    task.limits = drawn.limits;
+    const sim::FastestQuestion question{task, {{drawn.mode, 1.0}}, {drawn.mode}, kTolerance};
     add(tally, sim::find_fastest(question));
   }
   print(tally);

@@ -4,13 +4,15 @@
 
 #include <cmath>
 
-#include "sim/experiment.hpp"
+#include "shaper/profile/limits.hpp"
+#include "shaper/shaping/mode.hpp"
 #include "tests/support/random.hpp"
 
 namespace stillpoint::testing {
 
 struct RandomTask {
-  sim::MoveTask task;
+  int32_t distance_counts;
+  AxisLimits limits;  // counts/s^n
   Mode mode;
 };
 
@@ -22,13 +24,13 @@ inline RandomTask random_task(Random& random) {
   out.mode = Mode{log_between(3.0, 60.0), random.unit() < 0.2 ? 0.0 : random.between(0.0, 0.2)};
   const double velocity = 1e6 * log_between(0.1, 4.0);
   const double ramp_s = log_between(0.3, 10.0) / out.mode.frequency_hz;
-  AxisLimits& limits = out.task.limits;
+  AxisLimits& limits = out.limits;
   limits.velocity = velocity;
   limits.acceleration = velocity / ramp_s;
   limits.deceleration = limits.acceleration * (random.unit() < 0.5 ? 1.0 : log_between(0.5, 2.0));
   limits.jerk = limits.acceleration / (ramp_s * log_between(0.05, 1.0));
   const double distance = velocity * ramp_s * log_between(0.05, 3.0);
-  out.task.distance_counts = static_cast<int32_t>(random.unit() < 0.5 ? distance : -distance);
+  out.distance_counts = static_cast<int32_t>(random.unit() < 0.5 ? distance : -distance);
   return out;
 }
 
