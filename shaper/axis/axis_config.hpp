@@ -49,8 +49,8 @@ struct MoveReport {
   bool zero_delay_met;     // total_ticks is no more than the unshaped move of the same duration takes
   MoveTiming timing = MoveTiming::kPlain;
   Quantity binding = Quantity::kNone;  // the limit that kept it from being shorter, where it was looked for
-  // Of the shaped stream where it was run (zero delay beyond the profile's limits, negative gains), else of the
-  // profile, which no mean of its past exceeds. counts/s^n.
+  // Of the shaped stream where it was run (zero delay up to kLongestSearchTicks, negative gains), else of the profile,
+  // which no mean of its past exceeds. counts/s^n.
   Peaks peaks = {};
 };
 

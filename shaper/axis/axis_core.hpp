@@ -100,6 +100,7 @@ class AxisCore {
   Status time_move(const Move& move, Signal start, Plan& plan, MoveReport& report);
   Status time_plainly(const Move& move, Signal start, Plan& plan, MoveReport& report);
   Status time_zero_delay(const Move& move, Signal start, Plan& plan, MoveReport& report);
+  Status time_within(const Move& move, Signal start, uint32_t ticks, Plan& plan, MoveReport& report);
   Status time_sooner(const Move& move, Signal start, uint32_t available, Plan& plan, MoveReport& report);
   Status slow_down_for_shaper(const Move& move, Signal start, Plan& plan, MoveReport& report);
   Status fill_spare(Signal start);

@@ -104,16 +104,24 @@ Status AxisCore::time_zero_delay(const Move& move, Signal start, Plan& plan, Mov
                            move.duration_s, plan.duration_ticks + length, config_.tick_s);
   }
   if (running().averages() && (available >= plan.duration_ticks || too_long || running().stage_count() == 0)) {
-    report.timing = MoveTiming::kWithin;
-    report.peaks = peaks_of(plan, config_.tick_s);
-    if (!asked) return kOk;
-    const Status status = stretch(plan, available);
-    report.peaks = peaks_of(plan, config_.tick_s);
-    return status;
+    return time_within(move, start, asked ? available : plan.duration_ticks, plan, report);
   }
   const Status status = fill_spare(start);
   if (!status.ok()) return status;
   return time_sooner(move, start, asked ? available : UINT32_MAX, plan, report);
+}
+
+// A mean of the past of a profile that keeps its limits keeps them too: the stream is run for its peaks alone.
+Status AxisCore::time_within(const Move& move, Signal start, uint32_t ticks, Plan& plan, MoveReport& report) {
+  report.timing = MoveTiming::kWithin;
+  Status status = stretch(plan, ticks);
+  report.peaks = peaks_of(plan, config_.tick_s);
+  if (!status.ok() || ticks > kLongestSearchTicks) return status;
+  status = fill_spare(start);
+  if (!status.ok()) return status;
+  ShapedMoveCheck check = check_for(move, start);
+  if (check.broken(plan) == Quantity::kNone) report.peaks = check.peaks();
+  return kOk;
 }
 
 // The raised plan and the plain one, each slowed down or sped up to what is available, if its stream keeps the limits
