@@ -24,9 +24,11 @@ int run(const MoveJobOptions& options, const FastestOptions& fastest, const Outp
   if (output.json) {
     Json object = {{"result", within ? "ok" : "limits_broken"}};
     object.update(json_of(comparison));
+    add_timing(object, comparison.shaped.report);
     print_json(object);
   } else {
     print_comparison(comparison);
+    print_timing(comparison.shaped.report);
   }
   return exit_code_of(within);
 }

@@ -89,6 +89,7 @@ Json json_of(const Answer& answer, const sim::Comparison& comparison) {
   const sim::FastestCandidate& best = answer.fastest.candidates.front();
   Json object = {{"result", comparison.within_limits ? "ok" : "limits_broken"}};
   object.update(cli::json_of(comparison));
+  add_timing(object, comparison.shaped.report);
   object["fastest"] = best.name;
   object["ticks"] = ticks_or_null(best.still_ticks);
   if (answer.least_ticks) {
@@ -113,6 +114,7 @@ void print_answer(const Answer& answer, const sim::Comparison& comparison) {
   table.print();
   fmt::print("\n");
   print_comparison(comparison);
+  print_timing(comparison.shaped.report);
   const sim::FastestCandidate& best = answer.fastest.candidates.front();
   fmt::print("still soonest: {}\n", best.name);
   if (!answer.least_ticks) return;

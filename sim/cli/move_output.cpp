@@ -22,15 +22,6 @@ Json json_of_figures(const sim::MoveFigures& figures) {
           {"within_limits", figures.stream.within_limits}};
 }
 
-Json json_of_shaped(const sim::Comparison& comparison) {
-  Json object = json_of_figures(comparison.shaped_figures);
-  const MoveReport& report = comparison.shaped.report;
-  object["timing"] = text(report.timing);
-  object["binding"] = report.binding == Quantity::kNone ? Json(nullptr) : Json(text(report.binding));
-  object["total_ticks"] = report.total_ticks;
-  return object;
-}
-
 // How long to look at the arm after the later of the two moves: until the plain one is long settled.
 constexpr double kShortestTail = 0.3;
 constexpr double kLongestTail = 3.0;
@@ -104,7 +95,7 @@ Series residual_curve(const std::string& label, const std::string& colour, doubl
 
 Json json_of(const sim::Comparison& comparison) {
   return {{"plain", json_of_figures(comparison.plain_figures)},
-          {"shaped", json_of_shaped(comparison)},
+          {"shaped", json_of_figures(comparison.shaped_figures)},
           {"residual_ratio", comparison.residual_ratio},
           {"within_limits", comparison.within_limits},
           {"zero_delay_met", comparison.zero_delay_met}};
@@ -128,9 +119,17 @@ void print_comparison(const sim::Comparison& comparison) {
   add_figures(table, "shaped", comparison.shaped_figures, comparison.residual_ratio);
   table.print();
   fmt::print("zero delay met: {}\n", yes_no(comparison.zero_delay_met));
-  const MoveReport& report = comparison.shaped.report;
-  fmt::print("timing of the shaped move: {}", text(report.timing));
+}
+
+void print_timing(const MoveReport& report) {
+  fmt::print("timing of the shaped move: {}, {} ticks", text(report.timing), report.total_ticks);
   fmt::print(report.binding == Quantity::kNone ? "\n" : ", bound by {}\n", text(report.binding));
+}
+
+void add_timing(Json& object, const MoveReport& report) {
+  object["shaped"]["timing"] = text(report.timing);
+  object["shaped"]["binding"] = report.binding == Quantity::kNone ? Json(nullptr) : Json(text(report.binding));
+  object["shaped"]["total_ticks"] = report.total_ticks;
 }
 
 void write_move_csv(const std::string& path, const std::string& command, const MoveJob& job,
