@@ -40,8 +40,8 @@ constexpr uint32_t kMostRecordedTicks = 20000000;
 // Runs the move through an Axis of its own. Throws a Refusal where the axis refuses or the recording would be too long.
 Recording run_axis(const MoveTask& task, const ShaperDesign& design, const OnProgress& on_progress = {});
 
-// The profile that leaves the modes still by itself (plan_still), sampled by a track, as an axis would. Throws a Refusal
-// where there is none, or it would be too long.
+// The profile that leaves the modes still by itself (plan_still), sampled by a track, as an axis would. Throws a
+// Refusal where there is none, or it would be too long.
 Recording run_still(const MoveTask& task, const std::vector<Mode>& modes);
 
 // A drive at rest at `start` with that arm behind it; a perfect encoder.

@@ -26,8 +26,8 @@ constexpr uint32_t kMostLeastTicks = 4096;
 // `setpoints`, unless null. A linear programme over the velocities, one a tick.
 double farthest(const LeastTicksQuestion& question, uint32_t ticks, std::vector<double>* setpoints = nullptr);
 
-// Bisection on the ticks: whoever can go far can go less far, all scaled down. `known`: ticks in which the move is known
-// to be possible. Nothing where that is above kMostLeastTicks. About ten programmes.
+// Bisection on the ticks: whoever can go far can go less far, all scaled down. `known`: ticks in which the move is
+// known to be possible. Nothing where that is above kMostLeastTicks. About ten programmes.
 std::optional<uint32_t> least_ticks(const LeastTicksQuestion& question, uint32_t known,
                                     const OnProgress& on_progress = {});
 

@@ -31,13 +31,14 @@ class AxisCore {
 
   // Plans the move from where the axis stands and hands it to the tick, which starts it at its next call that allows a
   // commit. Refuses kBusy while the axis moves or something is pending; whatever plan_rest_to_rest refuses; limits
-  // above the axis's maximum; for zero delay, and behind negative gains, kLimitExceeded naming the limit that binds with
-  // the least duration in seconds that would do (the next one that is known to). Zero delay asks what report.timing
-  // says, the cheapest first: a profile within its limits, else the soonest that the shaped stream allows, slowed down
-  // to the duration wanted; of those that meet it the one with the lowest peaks.
-  // Cost: one plan. Zero delay beyond the profile's own limits: some 25 plans and 20 to 40 runs through the stages, at
-  // most SoonestSearch::kMostChecks + 2, each of at most kLongestSearchTicks and the shaper's length (a profile that is
-  // longer is not looked at). Negative gains: at most 16 runs before that. Stack: 3 KB. `report` may be null.
+  // above the axis's maximum; for zero delay, and behind negative gains, kLimitExceeded naming the limit that binds
+  // with the least duration in seconds that would do (behind negative gains the next one that is known to).
+  // Zero delay (MoveTiming): a profile that keeps the limits by itself is taken as it is. Else the soonest that the
+  // shaped stream allows, and the plain one, each stretched to the duration wanted: the one with the lower peaks.
+  // Cost: one plan. Zero delay up to kLongestSearchTicks: one run through the stages; beyond the profile's own limits
+  // 24 to 30 plans and 25 to 50 runs, at most SoonestSearch::kMostChecks + 2, each of the profile's ticks and the
+  // shaper's; a longer profile is not looked at. Negative gains: at most 16 runs before that. Stack: 3 KB. `report` may
+  // be null.
   Status command(const Move& move, MoveReport* report);
 
   // Changes the shaper. Refuses kBusy while something is pending, and kLineTooShort (`value` LineSamples needed, by

@@ -3,14 +3,22 @@
 
 namespace stillpoint {
 
-ModeWeight::ModeWeight(const Mode& mode, double tick_s) {
+namespace {
+
+// A tick, exp(exponent) being one over the sampled pole.
+Complex exponent_a_tick(const Mode& mode, double tick_s) {
   constexpr double kPi = 3.14159265358979323846;
   const double w = 2.0 * kPi * mode.frequency_hz * tick_s;
-  exponent_ = Complex{mode.damping_ratio * w, -w * math::sqrt(1.0 - mode.damping_ratio * mode.damping_ratio)};
-  one_ = math::exp(exponent_);
-  two_ = one_ * one_;
-  rest_ = two_ * one_ / (Complex{1.0, 0.0} - one_);
+  return {mode.damping_ratio * w, -w * math::sqrt(1.0 - mode.damping_ratio * mode.damping_ratio)};
 }
+
+}  // namespace
+
+ModeWeight::ModeWeight(const Mode& mode, double tick_s)
+    : exponent_(exponent_a_tick(mode, tick_s)),
+      one_(math::exp(exponent_)),
+      two_(one_ * one_),
+      rest_(two_ * one_ / (Complex{1.0, 0.0} - one_)) {}
 
 ModeWeight::Value ModeWeight::at(double ticks, double end) const {
   const double first = math::ceil(ticks);

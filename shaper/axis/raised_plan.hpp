@@ -34,7 +34,7 @@ class SoonestSearch {
   // `design` is what `check` runs; `plain` keeps the limits behind it and takes at most kLongestSearchTicks.
   SoonestSearch(ShapedMoveCheck& check, const ShaperDesign& design, const Move& move, const Plan& plain, double tick_s);
 
-  // Cost: at most kMostChecks checks, each of at most the plain plan's ticks and the shaper's; about half as many plans.
+  // Cost: at most kMostChecks checks, each of at most the plain plan's ticks and the shaper's; half as many plans.
   CheckedPlan find();
 
   static constexpr uint32_t kMostChecks = 62;

@@ -50,7 +50,8 @@ bool StillSearch::run() {
   return violation(sequence_) < kKept;
 }
 
-// What a mode is left with beyond its goal, in units of a change of jerk so many ticks late; with the slopes after each time.
+// What a mode is left with beyond its goal, in units of a change of jerk so many ticks late; with the slopes after each
+// time.
 Complex StillSearch::left_in(size_t mode, const JerkPath& path, Complex* slopes) const {
   Complex sum = -1.0 * goal_[mode];
   for (size_t i = 0; i <= kJerkParts; ++i) {
@@ -93,21 +94,23 @@ void StillSearch::add(SmallLp& lp, const Row& row, double right, bool equality, 
 }
 
 void StillSearch::add_end(SmallLp& lp, const JerkPath& path, const Row& low) const {
-  Row rows[3];
+  Row acceleration = {};
+  Row velocity = {};
+  Row position = {};
   const Motion end = path.end();
   for (size_t k = 0; k < kJerkParts; ++k) {
     const Motion more = path.effect(k, end.time);
-    rows[0][k] = more.acceleration;
-    rows[1][k] = more.velocity / acceleration_scale_;
-    rows[2][k] = more.position / velocity_scale_;
+    acceleration[k] = more.acceleration;
+    velocity[k] = more.velocity / acceleration_scale_;
+    position[k] = more.position / velocity_scale_;
   }
-  add(lp, rows[0], -end.acceleration, true, low);
-  add(lp, rows[1], -end.velocity / acceleration_scale_, true, low);
-  add(lp, rows[2], (limits_.distance - end.position) / velocity_scale_, true, low);
+  add(lp, acceleration, -end.acceleration, true, low);
+  add(lp, velocity, -end.velocity / acceleration_scale_, true, low);
+  add(lp, position, (limits_.distance - end.position) / velocity_scale_, true, low);
   if (cruise_ == 0) return;
-  Row row = {};
-  for (size_t k = 0; k <= cruise_; ++k) row[k] = jerk_sign(k);
-  add(lp, row, -path.after(cruise_).acceleration, true, low);
+  Row until_cruise = {};
+  for (size_t k = 0; k <= cruise_; ++k) until_cruise[k] = jerk_sign(k);
+  add(lp, until_cruise, -path.after(cruise_).acceleration, true, low);
 }
 
 void StillSearch::add_modes(SmallLp& lp, const JerkPath& path, const Row& low) const {

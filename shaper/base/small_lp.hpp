@@ -20,7 +20,8 @@ class SmallLp {
   // `row` holds a coefficient for each variable. Calls beyond kMaxRows do nothing.
   void add_row(const double* row, double right, bool equality);
 
-  // Once. Into `x`. False if the simplex did not come to its end in its steps: x then keeps the bounds, but may cost more.
+  // Once. Into `x`. False if the simplex did not come to its end in its steps: x then keeps the bounds, but may cost
+  // more.
   // Cost: at most kMaxSteps times rows x (variables + rows) multiplications.
   bool solve(double* x);
 
