@@ -75,11 +75,14 @@ void Drive::obey() {
     return;
   }
   if (state_ == DriveState::kOperationEnabled && wanted == DriveState::kSwitchedOn && !standing_) {
-    if (!slowing_) stop_motion();
+    if (!slowing_) slow_down();
     slowing_ = true;
     return;
   }
-  if (wanted == DriveState::kQuickStopActive) stop_motion();
+  if (wanted == DriveState::kQuickStopActive) {
+    axis_->request_stop();
+    if (moving_) given_up_ = true;
+  }
   enter(wanted);
 }
 
@@ -99,12 +102,12 @@ void Drive::obey_halt() {
     halting_ = false;
   } else if (!halting_ && !standing_) {
     halting_ = true;
-    stop_motion();
+    slow_down();
   }
 }
 
-void Drive::stop_motion() {
-  axis_->request_stop();
+void Drive::slow_down() {
+  if (!axis_->halt(profile_limits(*parameters_), nullptr).ok()) axis_->request_stop();
   if (moving_) given_up_ = true;
 }
 
@@ -132,16 +135,19 @@ void Drive::take_set_point(bool shaper_waiting) {
   if (shaper_waiting && !moving_) return;
   set_point_waits_ = false;
   const bool relative = (controlword_ & kControlRelative) != 0;
+  const bool at_once = (controlword_ & kControlAtOnce) != 0;
+  const Signal from = moving_ && !given_up_ ? signal_from_counts(target_) : seen_.axis.demand;
   Move move = {};
   MoveReport report = {};
-  Status status = standing_ ? make_move(*parameters_, relative, seen_.axis.demand, move)
-                            : refuse(Error::kBusy, Quantity::kNone, 0.0);
+  Status status =
+      standing_ || at_once ? make_move(*parameters_, relative, from, move) : refuse(Error::kBusy, Quantity::kNone, 0.0);
   if (status.ok()) status = axis_->command(move, &report);
   if (!status.ok()) {
     note_move_refusal(status, *parameters_);
     return;
   }
   note_move_report(report, *parameters_);
+  target_ = move.target_counts;
   moving_ = true;
   given_up_ = false;
   set_point_taken_ = true;

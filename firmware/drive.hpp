@@ -15,14 +15,14 @@ namespace stillpoint::firmware {
 // latch, the ramps) is the control loop's, and this class follows it.
 //
 // Decisions where the standard leaves a choice:
-//   - Halt (bit 8) brings the axis to rest with the quick-stop ramp, past the shaper; the move is given up and not
-//     resumed, set-points are refused while the bit is set. (A halt that ramps before the shaper, and so ends still,
-//     comes with planning from any state.)
+//   - Halt (bit 8) ramps by the profile's limits, before the shaper, and so ends still; the move is given up and not
+//     resumed, set-points are refused while the bit is set.
 //   - Disable operation (5) ramps like that and then switches off; shutdown (8) and disable voltage (9) switch off at
 //     once, whatever moves.
 //   - Quick stop is option 2: ramp, then switch-on disabled.
-//   - A set-point while the axis moves is refused (bit 12 stays 0, reason in 0012), never queued. One that comes while
-//     a shaper is on its way waits for it.
+//   - A set-point while the axis moves takes over in flight if it is to (bit 5, at once), with the profile's limits as
+//     they are then; else it is refused (bit 12 stays 0, reason in 0012), never queued. In flight a relative one counts
+//     from the target in force. One that comes while a shaper is on its way waits for it.
 class Drive {
  public:
   void begin(AxisCore& axis, ControlLoop& loop, Parameters& parameters);
@@ -47,7 +47,7 @@ class Drive {
   void obey();
   bool obey_enable(DriveState wanted);
   void obey_halt();
-  void stop_motion();
+  void slow_down();
   void enter(DriveState state);
   bool target_reached() const;
   bool halt_asked() const { return (controlword_ & kControlHalt) != 0; }
@@ -60,6 +60,7 @@ class Drive {
   uint32_t tick_us_ = 0;
   uint16_t controlword_ = 0;
   DriveState state_ = DriveState::kNotReady;
+  int32_t target_ = 0;     // of the last move taken
   bool standing_ = false;  // at rest, and nothing waits to change that
   bool enabling_ = false;  // in switched on: the output stage has been asked for
   bool slowing_ = false;   // in operation enabled: the ramp before disabling

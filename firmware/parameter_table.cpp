@@ -61,6 +61,10 @@ constexpr Parameter limit(R name, uint16_t object, uint32_t initial, const char*
   return with(Effect::kAxisLimits, locked(value(name, T::kU32, object, 1, kU32Max, initial, text, unit)));
 }
 
+constexpr Parameter soft_limit(R name, const char* text) {
+  return with(Effect::kAxisLimits, locked(value(name, T::kI32, 0x607D, kI32Min, kI32Max, 0, text, "counts")));
+}
+
 // One of a move's.
 constexpr Parameter profile(R name, uint16_t object, uint32_t initial, R ceiling, const char* text, const char* unit) {
   Parameter parameter = value(name, T::kU32, object, 1, kU32Max, initial, text, unit);
@@ -138,6 +142,9 @@ constexpr Parameter kParameters[kParameterCount] = {
     with(Effect::kPositionWindow,
          value(R::kPositionWindow, T::kU32, 0x6067, 0, kU32Max, 100, "position window", "counts")),
     value(R::kPositionTimeMs, T::kU16, 0x6068, 0, kU16Max, 20, "position window time", "ms"),
+    // Low at or above high: none.
+    soft_limit(R::kSoftLimitLow, "soft limit low"),
+    soft_limit(R::kSoftLimitHigh, "soft limit high"),
 
     value(R::kModeCount, T::kU16, 0, 0, kMaxModes, 0, "modes staged", ""),
     with(Effect::kShaperSet, value(R::kShaperSet, T::kU16, 0, 0, kShaperSets - 1, 0, "shaper set", "")),

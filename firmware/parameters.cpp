@@ -48,6 +48,8 @@ void Parameters::adopt(const AxisConfig& config) {
   adopt_one(Register::kMaximumJerk, config.maximum.jerk / kJerkUnit);
   adopt_one(Register::kQuickStopDeceleration, config.quick_stop_deceleration);
   adopt_one(Register::kQuickStopJerk, config.quick_stop_jerk / kJerkUnit);
+  set_signed(Register::kSoftLimitLow, config.soft_low_counts);
+  set_signed(Register::kSoftLimitHigh, config.soft_high_counts);
   lower_to(Register::kProfileVelocity, Register::kMaximumVelocity);
   lower_to(Register::kProfileAcceleration, Register::kMaximumAcceleration);
   lower_to(Register::kProfileDeceleration, Register::kMaximumAcceleration);

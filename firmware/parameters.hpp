@@ -50,7 +50,7 @@ struct Parameter {
   constexpr bool writable() const { return access != Access::kRead; }
 };
 
-constexpr size_t kParameterCount = 81;
+constexpr size_t kParameterCount = 83;
 constexpr size_t kNoParameter = kParameterCount;
 
 // Sorted by address.

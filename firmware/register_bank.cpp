@@ -23,6 +23,7 @@ Register limit_register(Quantity quantity) {
     case Quantity::kVelocity: return Register::kMaximumVelocity;
     case Quantity::kAcceleration: return Register::kMaximumAcceleration;
     case Quantity::kDeceleration: return Register::kQuickStopDeceleration;
+    case Quantity::kPosition: return Register::kSoftLimitLow;
     default: return Register::kMaximumJerk;
   }
 }
@@ -154,6 +155,8 @@ Status RegisterBank::configure_axis(const Request& request) {
   config.maximum.jerk = staged(request, Register::kMaximumJerk) * kJerkUnit;
   config.quick_stop_deceleration = staged(request, Register::kQuickStopDeceleration);
   config.quick_stop_jerk = staged(request, Register::kQuickStopJerk) * kJerkUnit;
+  config.soft_low_counts = static_cast<int32_t>(staged(request, Register::kSoftLimitLow));
+  config.soft_high_counts = static_cast<int32_t>(staged(request, Register::kSoftLimitHigh));
   return parts_.axis->configure(config);
 }
 

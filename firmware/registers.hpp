@@ -51,6 +51,8 @@ enum class Register : uint16_t {
   kFollowingErrorTimeMs = 0x006E,
   kPositionWindow = 0x0070,
   kPositionTimeMs = 0x0072,
+  kSoftLimitLow = 0x0074,
+  kSoftLimitHigh = 0x0076,
   kModeCount = 0x0100,
   kShaperSet = 0x0101,
   kFirstMode = 0x0102,

@@ -38,9 +38,18 @@ uint32_t accepted_in(Register culprit, const Status& status) {
 
 }  // namespace
 
-Status make_move(const Parameters& parameters, bool relative, Signal demand, Move& out) {
+AxisLimits profile_limits(const Parameters& parameters) {
+  AxisLimits limits{};
+  limits.velocity = parameters.get(Register::kProfileVelocity);
+  limits.acceleration = parameters.get(Register::kProfileAcceleration);
+  limits.deceleration = parameters.get(Register::kProfileDeceleration);
+  limits.jerk = parameters.get(Register::kProfileJerk) * kJerkUnit;
+  return limits;
+}
+
+Status make_move(const Parameters& parameters, bool relative, Signal from, Move& out) {
   int64_t target = parameters.get_signed(Register::kTargetPosition);
-  if (relative) target += counts_from_signal(demand);
+  if (relative) target += counts_from_signal(from);
   if (target > kMaxPositionCounts || target < kMinPositionCounts) {
     const bool above = target > kMaxPositionCounts;
     return refuse(above ? Error::kAboveMaximum : Error::kBelowMinimum, Quantity::kPosition, static_cast<double>(target),
@@ -49,10 +58,7 @@ Status make_move(const Parameters& parameters, bool relative, Signal demand, Mov
   out.target_counts = static_cast<int32_t>(target);
   const bool trapezoid = parameters.get_signed(Register::kProfileType) == kTrapezoidType;
   out.kind = trapezoid ? ProfileKind::kTrapezoid : ProfileKind::kSCurve;
-  out.limits.velocity = parameters.get(Register::kProfileVelocity);
-  out.limits.acceleration = parameters.get(Register::kProfileAcceleration);
-  out.limits.deceleration = parameters.get(Register::kProfileDeceleration);
-  out.limits.jerk = parameters.get(Register::kProfileJerk) * kJerkUnit;
+  out.limits = profile_limits(parameters);
   out.duration_s = parameters.get(Register::kMoveDurationMs) / kMsPerSecond;
   out.zero_delay = parameters.get(Register::kZeroDelay) != 0;
   return kOk;

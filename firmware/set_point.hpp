@@ -7,9 +7,12 @@
 
 namespace stillpoint::firmware {
 
-// The staged move. Relative: from `demand`, where the axis stands, to the nearest count. Refuses a relative target
-// outside the position range; `out` is then unchanged. Background.
-Status make_move(const Parameters& parameters, bool relative, Signal demand, Move& out);
+// The staged profile's limits.
+AxisLimits profile_limits(const Parameters& parameters);
+
+// The staged move. Relative: from `from`, where the axis stands or in flight is bound for, to the nearest count.
+// Refuses a relative target outside the position range; `out` is then unchanged. Background.
+Status make_move(const Parameters& parameters, bool relative, Signal from, Move& out);
 
 // Registers 0012, 0013, 0016 from a refusal of the move. Where a shorter duration was asked for than the limits allow,
 // 0013 names the duration and 0016 has the least one in ms; the limit that binds is in the reason's low byte.

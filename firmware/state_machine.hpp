@@ -21,6 +21,7 @@ enum class DriveState : uint8_t {
 enum class DriveCommand : uint8_t { kShutdown, kSwitchOn, kEnableOperation, kDisableVoltage, kQuickStop };
 
 constexpr uint16_t kControlNewSetPoint = 1U << 4;
+constexpr uint16_t kControlAtOnce = 1U << 5;
 constexpr uint16_t kControlRelative = 1U << 6;
 constexpr uint16_t kControlFaultReset = 1U << 7;
 constexpr uint16_t kControlHalt = 1U << 8;

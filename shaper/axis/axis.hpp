@@ -5,8 +5,10 @@
 // is everything it interrupts. Background functions may be interrupted by `tick` at any instruction; `tick` is never
 // interrupted by them.
 //   - The tick owns the sampler, the stop ramp, the active line and the published state.
-//   - The background owns the spare track and the spare line until it has filled them and set `pending_`; from then on
-//     they are the tick's, until the tick clears `pending_`. `pending_` is 32 bits, written last, read first.
+//   - The background owns the spare track until it has filled it and set `pending_move_`; from then on it is the
+//     tick's, until the tick clears that. The same with the spare line and `pending_`. Both are 32 bits, written last,
+//     read first. What waits of a move the background may take back by clearing the word itself.
+//   - The track in force is only read, by both; while no move is pending no other takes its place.
 //   - In a blend the spare shaper and its line run beside the active ones; `pending_` stays set until it is over, and
 //     the pairs change places in that tick.
 //   - A pending shaper that waits for rest comes back to the background while `looking_` is set: the tick, which cannot

@@ -7,24 +7,11 @@ namespace stillpoint {
 
 namespace {
 
-// Counts from one signal to another; each fits, their difference may not.
-double distance_counts(Signal from, Signal to) {
-  const int64_t whole = (to >> kSignalFractionBits) - (from >> kSignalFractionBits);
-  const int64_t fraction = (to & (kSignalPerCount - 1)) - (from & (kSignalPerCount - 1));
-  return static_cast<double>(whole) + static_cast<double>(fraction) / static_cast<double>(kSignalPerCount);
-}
-
 Status check_duration(const Move& move, double tick_s) {
   if (!math::is_finite(move.duration_s)) return refuse(Error::kNotFinite, Quantity::kDuration, move.duration_s);
   if (move.duration_s < 0.0) return refuse(Error::kBelowMinimum, Quantity::kDuration, move.duration_s, 0.0);
   const double longest = kMaxDurationTicks * tick_s;
   if (move.duration_s > longest) return refuse(Error::kAboveMaximum, Quantity::kDuration, move.duration_s, longest);
-  return kOk;
-}
-
-Status check_distance(double distance) {
-  constexpr double kLongest = kMaxPositionCounts;
-  if (math::abs(distance) > kLongest) return refuse(Error::kAboveMaximum, Quantity::kDistance, distance, kLongest);
   return kOk;
 }
 
@@ -46,34 +33,70 @@ Status AxisCore::configure(const AxisConfig& config) {
   status = StopLimits::make(config.quick_stop_deceleration, config.quick_stop_jerk, config.tick_s, stop_limits_);
   if (!status.ok()) return status;
   config_ = config;
+  turns_.configure(config.modulo_counts);
   configured_ = true;
+  return kOk;
+}
+
+Status AxisCore::check_move(const Move& move) const {
+  if (!configured_) return refuse(Error::kNotAvailable, Quantity::kNone, 0.0);
+  Status status = move.limits.validate();
+  if (status.ok()) status = move.limits.within(config_.maximum);
+  if (status.ok()) status = check_duration(move, config_.tick_s);
+  return status;
+}
+
+// Where the target lies, and whether it may be gone to from there.
+Status AxisCore::find_target(const Move& move, const Differences& start, Signal zero, Signal& target) const {
+  const int32_t counts = move.target_counts;
+  if (config_.modulo_counts != 0) {
+    const auto turn = static_cast<int32_t>(config_.modulo_counts);
+    if (counts < 0) return refuse(Error::kBelowMinimum, Quantity::kPosition, counts, 0.0);
+    if (counts >= turn) return refuse(Error::kAboveMaximum, Quantity::kPosition, counts, turn - 1.0);
+    const Signal from = signal_of(start);
+    const Turns turns{turns_.counts, turns_.step, zero};
+    target = wrapped_sum(from, turns.distance(from, signal_from_counts(counts), move.approach));
+    return kOk;
+  }
+  if (config_.has_soft_limits()) {
+    if (counts < config_.soft_low_counts)
+      return refuse(Error::kBelowMinimum, Quantity::kPosition, counts, config_.soft_low_counts);
+    if (counts > config_.soft_high_counts)
+      return refuse(Error::kAboveMaximum, Quantity::kPosition, counts, config_.soft_high_counts);
+  }
+  constexpr double kLongest = kMaxPositionCounts;
+  const double distance = counts - to_double(start.difference[0], kTrackFractionBits);
+  if (math::abs(distance) > kLongest) return refuse(Error::kAboveMaximum, Quantity::kDistance, distance, kLongest);
+  target = signal_from_counts(counts);
   return kOk;
 }
 
 Status AxisCore::command(const Move& move, MoveReport* report) {
   const uint32_t epoch = load(epoch_);
-  const Signal start = state().setpoint;
-  Status status = check_ready();
-  if (status.ok()) status = move.limits.validate();
-  if (status.ok()) status = move.limits.within(config_.maximum);
-  if (status.ok()) status = check_duration(move, config_.tick_s);
+  const AxisState now = state();
+  Status status = check_move(move);
   if (!status.ok()) return status;
-  const Signal target = signal_from_counts(move.target_counts);
-  const double distance = distance_counts(start, target);
-  status = check_distance(distance);
+  if (pending()) return refuse(Error::kBusy, Quantity::kNone, 0.0);
+  if (now.phase != AxisPhase::kAtRest) return command_in_flight(move, report);
+  const Signal start = now.setpoint;
+  Signal target = start;
+  status = find_target(move, standing(start), now.zero, target);
+  if (!status.ok()) return status;
+  const double distance =
+      to_double(Wide{0, static_cast<uint64_t>(wrapped_difference(target, start))}, kTrackFractionBits);
   Plan plan{};
-  if (status.ok()) status = plan_rest_to_rest(distance, move.limits, move.kind, config_.tick_s, plan);
+  status = plan_rest_to_rest(distance, move.limits, move.kind, config_.tick_s, plan);
   const uint32_t least_ticks = plan.duration_ticks;
   MoveReport result{0, 0, plan.optimum_ticks, false};
-  if (status.ok()) status = time_move(move, start, plan, result);
+  if (status.ok()) status = time_move(move, start, target, plan, result);
   if (!status.ok()) return status;
   Track::make(plan, start, target, tracks_[active_track_ ^ 1]);
   result.profile_ticks = plan.duration_ticks;
   result.total_ticks = plan.duration_ticks + (distance != 0.0 ? running().length_ticks() : 0);
   if (report != nullptr) *report = result;
-  move_ = move;
-  move_sped_up_ = plan.duration_ticks < least_ticks || result.timing == MoveTiming::kRaised;
-  hand_over(kMove, epoch);
+  const bool only_checked = plan.duration_ticks < least_ticks || result.timing == MoveTiming::kRaised;
+  terms_[active_track_ ^ 1] = Terms{move, only_checked, false, 0.0, 0};
+  hand_over_move(kFromRest, epoch);
   return kOk;
 }
 

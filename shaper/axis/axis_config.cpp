@@ -9,6 +9,10 @@ namespace stillpoint {
 Status AxisConfig::validate() const {
   const Status status = maximum.validate();
   if (!status.ok()) return status;
+  if (modulo_counts > kMaxModuloCounts)
+    return refuse(Error::kAboveMaximum, Quantity::kPosition, modulo_counts, kMaxModuloCounts);
+  if (modulo_counts != 0 && has_soft_limits())
+    return refuse(Error::kNotAvailable, Quantity::kPosition, soft_high_counts, soft_low_counts);
   StopLimits unused{};
   return StopLimits::make(quick_stop_deceleration, quick_stop_jerk, tick_s, unused);
 }

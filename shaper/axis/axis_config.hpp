@@ -3,6 +3,7 @@
 
 #include <stdint.h>
 
+#include "shaper/axis/turns.hpp"
 #include "shaper/base/signal.hpp"
 #include "shaper/base/status.hpp"
 #include "shaper/profile/limits.hpp"
@@ -11,21 +12,34 @@
 namespace stillpoint {
 
 // Units of an axis: counts and seconds.
+//
+// Soft limits: a command whose path, before the shaper, would lead out of [low, high] is refused before it starts; a
+// jog towards one stops on it in time. From outside, what leads back is accepted. (Behind a shaper that averages the
+// setpoint stays inside too.) A linear axis without them may go on past the end of the position range: it wraps.
 struct AxisConfig {
   double tick_s;
   AxisLimits maximum;              // no move may ask for more
   double quick_stop_deceleration;  // counts/s^2
   double quick_stop_jerk;          // counts/s^3
+  int32_t soft_low_counts = 0;     // low >= high: no soft limits
+  int32_t soft_high_counts = 0;
+  uint32_t modulo_counts = 0;  // of a rotary axis: a turn, at most kMaxModuloCounts; 0: a linear axis
+
+  bool has_soft_limits() const { return soft_low_counts < soft_high_counts; }
 
   Status validate() const;
 };
 
+// Of a trapezoid, counts/s^3.
+constexpr double kNoJerkLimit = 1e300;
+
 struct Move {
-  int32_t target_counts;
+  int32_t target_counts;  // of a rotary axis: its reading there, [0, modulo_counts)
   ProfileKind kind;
   AxisLimits limits;  // counts/s^n, at most the axis's maximum; promises about what leaves the shaper
   double duration_s;  // 0: the least time. Otherwise at least that; a multiple of the tick (rounded to the nearest)
   bool zero_delay;    // the *shaped* move ends within duration_s (Li 2017); with duration_s 0: in the least time
+  Approach approach = Approach::kShortest;  // of a rotary axis; a linear one ignores it
 };
 
 // How a move came to its duration. All but the first: so that the *shaped* move is over in time.
@@ -41,10 +55,10 @@ enum class MoveTiming : uint8_t {
 // Words for people.
 const char* text(MoveTiming timing);
 
-// What a move that was accepted will do.
+// What a move that was accepted will do. In flight the ticks count from where it takes over.
 struct MoveReport {
-  uint32_t profile_ticks;  // until the profile stands
-  uint32_t total_ticks;    // until the shaped setpoint stands
+  uint32_t profile_ticks;  // until the profile stands, or is at the velocity asked for
+  uint32_t total_ticks;    // until the shaped setpoint does
   double optimum_ticks;    // of the continuous optimum, unshaped
   bool zero_delay_met;     // total_ticks is no more than the unshaped move of the same duration takes
   MoveTiming timing = MoveTiming::kPlain;
@@ -60,8 +74,10 @@ enum class AxisPhase : uint8_t { kAtRest, kMoving, kDraining, kStopping };
 struct AxisState {
   uint32_t tick;
   AxisPhase phase;
-  Signal demand;    // before shaping
-  Signal setpoint;  // after shaping: what the drive is given
+  uint64_t track_ticks;  // since the motion in force began
+  Signal demand;         // before shaping
+  Signal setpoint;       // after shaping: what the drive is given
+  Signal zero;           // of a rotary axis: see Turns
 };
 
 }  // namespace stillpoint

@@ -13,7 +13,7 @@ void AxisCore::attach(LineSample* active_memory, LineSample* spare_memory, size_
 
 AxisState AxisCore::state() const { return published_.read(); }
 
-bool AxisCore::pending() const { return load(pending_) != kNothing; }
+bool AxisCore::pending() const { return load(pending_) != kNothing || load(pending_move_) != kNoMove; }
 
 ShaperDesign AxisCore::shaper() const { return running().design(); }
 
@@ -24,14 +24,21 @@ void AxisCore::hand_over(Pending what, uint32_t epoch) {
   store(pending_, what);
 }
 
+void AxisCore::hand_over_move(PendingMove what, uint32_t epoch) {
+  move_epoch_ = epoch;
+  flight_armed_ = false;
+  store(pending_move_, what);
+}
+
 Signal AxisCore::tick(bool commit) {
   if (load(stop_requested_) != 0) {
     store(stop_requested_, 0);
     begin_stop();
   }
-  drop_stale_move();
+  take_move(commit);
   const uint32_t what = load(pending_);
   if (what != kNothing && commit) take_pending(what);
+  ++track_ticks_;
   const Signal setpoint = advance();
   outputs_[2] = outputs_[1];
   outputs_[1] = outputs_[0];
@@ -67,20 +74,37 @@ Signal AxisCore::blend(Signal input, Signal output) {
   return mixed;
 }
 
-void AxisCore::drop_stale_move() {
-  if (load(pending_) == kMove && pending_epoch_ != epoch_) store(pending_, kNothing);
+void AxisCore::take_move(bool commit) {
+  const uint32_t what = load(pending_move_);
+  if (what == kNoMove) {
+    flight_armed_ = false;
+  } else if (move_epoch_ != epoch_) {
+    store(pending_move_, kNoMove);
+  } else if (what == kFromRest) {
+    if (commit && published_.latest().phase == AxisPhase::kAtRest && !stopping_) begin_track();
+  } else if (what == kInFlight) {
+    flight_armed_ = flight_armed_ || commit;
+    const auto late = static_cast<int32_t>(published_.latest().tick - flight_at_);
+    if (late == 0 && flight_armed_ && !blending_) {
+      begin_track();
+    } else if (late >= 0) {
+      store(pending_move_, kMissed);
+    }
+  }
+}
+
+void AxisCore::begin_track() {
+  active_track_ ^= 1;
+  sampler_.begin(tracks_[active_track_]);
+  track_ticks_ = 0;
+  flight_armed_ = false;
+  store(pending_move_, kNoMove);
 }
 
 void AxisCore::take_pending(uint32_t what) {
   if (blending_ || load(looking_) != 0) return;
-  const bool at_rest = published_.latest().phase == AxisPhase::kAtRest && !stopping_;
-  if (at_rest && what == kMove) {
-    active_track_ ^= 1;
-    sampler_.begin(tracks_[active_track_]);
-    store(move_began_, published_.latest().tick);
-    store(pending_, kNothing);
-  } else if (at_rest) {
-    take_shaper(what);
+  if (published_.latest().phase == AxisPhase::kAtRest && !stopping_) {
+    if (sampler_.at_rest()) take_shaper(what);
   } else if (what == kBlend && !stopping_) {
     begin_blend();
   }
@@ -150,6 +174,7 @@ void AxisCore::reset(Signal position) {
   drop_blend();
   rest_at(position);
   for (int i = 0; i < 3; ++i) outputs_[i] = position;
+  turns_.zero = 0;
   publish(position);
 }
 
@@ -159,7 +184,16 @@ void AxisCore::publish(Signal setpoint) {
                           : drain_ticks_ != 0 || blending_ ? AxisPhase::kDraining
                                                            : AxisPhase::kAtRest;
   const Signal demand = stopping_ ? setpoint : sampler_.position();
-  published_.publish(AxisState{published_.latest().tick + 1, phase, demand, setpoint});
+  turns_.follow(setpoint);
+  published_.publish(AxisState{published_.latest().tick + 1, phase, track_ticks_, demand, setpoint, turns_.zero});
+}
+
+int32_t AxisCore::reading_counts() const {
+  if (turns_.counts == 0) return 0;
+  const AxisState now = state();
+  const Turns turns{turns_.counts, turns_.step, now.zero};
+  const int32_t counts = counts_from_signal(turns.reading(now.setpoint));
+  return counts == static_cast<int32_t>(config_.modulo_counts) ? 0 : counts;
 }
 
 }  // namespace stillpoint

@@ -8,6 +8,7 @@
 #include "shaper/axis/axis_config.hpp"
 #include "shaper/axis/blend.hpp"
 #include "shaper/axis/blend_window.hpp"
+#include "shaper/axis/turns.hpp"
 #include "shaper/base/shared.hpp"
 #include "shaper/profile/stop_ramp.hpp"
 #include "shaper/profile/track.hpp"
@@ -29,17 +30,37 @@ class AxisCore {
   // Until the first success every command is refused kNotAvailable.
   Status configure(const AxisConfig& config);
 
-  // Plans the move from where the axis stands and hands it to the tick, which starts it at its next call that allows a
-  // commit. Refuses kBusy while the axis moves or something is pending; whatever plan_rest_to_rest refuses; limits
-  // above the axis's maximum; for zero delay, and behind negative gains, kLimitExceeded naming the limit that binds
-  // with the least duration in seconds that would do (behind negative gains the next one that is known to).
-  // Zero delay (MoveTiming): a profile that keeps the limits by itself is taken as it is. Else the soonest that the
-  // shaped stream allows, and the plain one, each stretched to the duration wanted: the one with the lower peaks.
-  // Cost: one plan. Zero delay up to kLongestSearchTicks: one run through the stages; beyond the profile's own limits
-  // 24 to 30 plans and 25 to 50 runs, at most SoonestSearch::kMostChecks + 2, each of the profile's ticks and the
-  // shaper's; a longer profile is not looked at. Negative gains: at most 16 runs before that. Stack: 3 KB. `report` may
-  // be null.
+  // At rest: plans the move from where the axis stands and hands it to the tick, which starts it at its next call that
+  // allows a commit. Refuses kBusy while something is pending; whatever plan_rest_to_rest refuses; limits above the
+  // axis's maximum; targets out of range or beyond a soft limit; for zero delay, and behind negative gains,
+  // kLimitExceeded naming the limit that binds with the least duration in seconds that would do (behind negative gains
+  // the next one that is known to). Zero delay (MoveTiming): a profile that keeps the limits by itself is taken as it
+  // is. Else the soonest that the shaped stream allows, and the plain one, each stretched to the duration wanted: the
+  // one with the lower peaks. Cost: one plan. Zero delay up to kLongestSearchTicks: one run through the stages; beyond
+  // the profile's own limits 24 to 30 plans and 25 to 50 runs, at most SoonestSearch::kMostChecks + 2, each of the
+  // profile's ticks and the shaper's; a longer profile is not looked at. Negative gains: at most 16 runs before that.
+  // Stack: 3 KB.
+  //
+  // In flight: another target, other limits or both, from where the profile will be a few ticks from now (the shaper
+  // stays, and goes on with what it holds). The plan is plan_from's whatever the kind, but a trapezoid's jerk stays
+  // without a limit; from outside new limits it comes back as plan_from says, without a dip below them and turning
+  // round only where the target cannot be reached otherwise. The motion in force goes on until the tick that the new
+  // one begins at, and if that has gone by when it is handed over, `service` plans again from further on. Refuses as at
+  // rest; kBusy too for a duration or zero delay (they need rest), while stopping and in a blend of shapers; and
+  // kLimitExceeded, where a shaper with negative gains or a motion sped up for zero delay would break a limit.
+  //
+  // `report` may be null.
   Status command(const Move& move, MoveReport* report);
+
+  // Velocity mode: to `velocity` (counts/s, signed, within limits.velocity) and on at it until another command, past
+  // the end of the position range too; towards a soft limit, until it stands on that. At rest and in flight; takes over
+  // and refuses as `command` does. Over the shaper's length it must stay below 2^31 counts.
+  Status jog(double velocity, const AxisLimits& limits, MoveReport* report);
+
+  // To rest as soon as `limits` allow, before the shaper: so it ends still, the shaper's length later. A command that
+  // waits is dropped. Where no such motion keeps the axis's own limits (soft ones, or in a blend) it becomes a quick
+  // stop. Refuses only limits that are invalid or above the axis's maximum.
+  Status halt(const AxisLimits& limits, MoveReport* report);
 
   // Changes the shaper. Refuses kBusy while something is pending, and kLineTooShort (`value` LineSamples needed, by
   // Shaper::memory_needed, `accepted` there).
@@ -52,8 +73,9 @@ class AxisCore {
   // long for that wait for rest. Cost: see BlendSearch, and 2 to 3 KB of stack.
   Status set_shaper(const ShaperDesign& design, Retune when = Retune::kAtRest);
 
-  // For a blended retune that found no room in the part of the move that was searched, or whose window the tick missed:
-  // looks further, once there is further to look. Nothing breaks if it is never called: the retune then waits for rest.
+  // Plans again what the tick missed in flight. And for a blended retune that found no room in the part of the move
+  // that was searched, or whose window the tick missed: looks further, once there is further to look. Nothing breaks if
+  // it is never called: the motion in force goes on, the retune waits for rest.
   void service();
 
   // One tick's state, never torn.
@@ -67,6 +89,10 @@ class AxisCore {
   ShaperDesign shaper() const;
 
   const AxisConfig& config() const { return config_; }
+
+  // What a rotary axis reads at the setpoint, to the nearest count: [0, modulo_counts). 0 for a linear one. It counts
+  // from position 0 of the range at the last reset.
+  int32_t reading_counts() const;
 
   // --- either context ---------------------------------------------------------------------------------------------
 
@@ -91,24 +117,63 @@ class AxisCore {
 
  private:
   // A shaper's line is filled where the axis stands, or (kLaterShaper) left to the tick that takes it at rest.
-  enum Pending : uint32_t { kNothing, kMove, kShaper, kLaterShaper, kBlend };
+  enum Pending : uint32_t { kNothing, kShaper, kLaterShaper, kBlend };
+  // kFromRest waits for a commit; kInFlight, once it has seen one, for its tick; kMissed for the background.
+  enum PendingMove : uint32_t { kNoMove, kFromRest, kInFlight, kMissed };
+
+  // What was asked for in motion, until a tick has taken it.
+  struct Flight {
+    Move move;
+    double velocity;
+    bool to_velocity;
+  };
+  // What is to be kept of a motion, beside its track.
+  struct Terms {
+    Move move;
+    bool only_checked;        // the profile has been beyond its limits: only the stream that was checked keeps them
+    bool may_turn;            // planned in flight: no direction is its own
+    double release_jerk;      // counts/s^3: at its start an acceleration in force is let go with it
+    uint32_t released_ticks;  // for so long
+  };
+  // What it comes to, from `start` on.
+  struct Course {
+    Differences start;
+    Plan plan;
+    Signal target;
+    double cruise;  // counts/tick
+    bool to_target;
+    double release_jerk;  // as in Terms
+    uint32_t released_ticks;
+  };
 
   const Shaper& running() const { return shapers_[load(active_shaper_)]; }
   Status check_ready() const;
+  Status check_move(const Move& move) const;
+  Status command_in_flight(const Move& move, MoveReport* report);
+  Status find_target(const Move& move, const Differences& start, Signal zero, Signal& target) const;
+  Status fly(const Flight& flight, MoveReport* report);
+  Status make_course(const Flight& flight, const AxisState& now, Course& course);
+  Status make_checked_course(const Flight& flight, const AxisState& now, uint32_t lead, Course& course);
+  Status plan_to_target(const Move& move, Signal zero, Course& course) const;
+  Status plan_to_cruise(const Flight& flight, Course& course) const;
+  Status check_extent(const Course& course) const;
+  Status check_stream(const Flight& flight, const AxisState& now, uint32_t lead);
   void offer_blend(uint32_t epoch, const AxisState& now);
   bool find_blend(const AxisState& now);
   // move_timing.cpp
-  Status time_move(const Move& move, Signal start, Plan& plan, MoveReport& report);
-  Status time_plainly(const Move& move, Signal start, Plan& plan, MoveReport& report);
-  Status time_zero_delay(const Move& move, Signal start, Plan& plan, MoveReport& report);
-  Status time_within(const Move& move, Signal start, uint32_t ticks, Plan& plan, MoveReport& report);
-  Status time_sooner(const Move& move, Signal start, uint32_t available, Plan& plan, MoveReport& report);
-  Status slow_down_for_shaper(const Move& move, Signal start, Plan& plan, MoveReport& report);
+  Status time_move(const Move& move, Signal start, Signal target, Plan& plan, MoveReport& report);
+  Status time_plainly(const Move& move, Signal start, Signal target, Plan& plan, MoveReport& report);
+  Status time_zero_delay(const Move& move, Signal start, Signal target, Plan& plan, MoveReport& report);
+  Status time_within(const Move& move, Signal start, Signal target, uint32_t ticks, Plan& plan, MoveReport& report);
+  Status time_sooner(const Move& move, Signal start, Signal target, uint32_t available, Plan& plan, MoveReport& report);
+  Status slow_down_for_shaper(const Move& move, Signal start, Signal target, Plan& plan, MoveReport& report);
   Status fill_spare(Signal start);
-  ShapedMoveCheck check_for(const Move& move, Signal start);
+  ShapedMoveCheck check_for(const Move& move, Signal start, Signal target);
   void hand_over(Pending what, uint32_t epoch);
+  void hand_over_move(PendingMove what, uint32_t epoch);
 
-  void drop_stale_move();
+  void take_move(bool commit);
+  void begin_track();
   void take_pending(uint32_t what);
   void take_shaper(uint32_t what);
   void begin_blend();
@@ -132,14 +197,17 @@ class AxisCore {
   // reset in between moves epoch_ on, and what was planned before it is dropped.
   uint32_t pending_ = kNothing;
   uint32_t pending_epoch_ = 0;
+  uint32_t pending_move_ = kNoMove;
+  uint32_t move_epoch_ = 0;
+  uint32_t flight_at_ = 0;    // the axis's tick
   uint32_t blend_begin_ = 0;  // the axis's tick
   uint32_t blend_order_ = 0;
   uint32_t looking_ = 0;  // the background has a pending shaper back for a while
   uint32_t stop_requested_ = 0;
 
   // The background's own.
-  Move move_ = {};              // the last one
-  bool move_sped_up_ = false;   // for zero delay, so only the shaper it was checked with is known to keep its limits
+  Flight flight_ = {};
+  uint32_t flight_lead_ = 0;    // ticks from a plan in flight to where it begins; 0: the shortest
   bool look_again_ = false;     // at
   uint32_t look_again_at_ = 0;  // this tick of the axis
   uint32_t blend_lead_ = 0;     // ticks from a search to the first window it may offer
@@ -148,6 +216,7 @@ class AxisCore {
   uint32_t active_track_ = 0;
   uint32_t active_shaper_ = 0;
   Track tracks_[2] = {};
+  Terms terms_[2] = {};  // the background's, read and written like the tracks
   Shaper shapers_[2] = {};
 
   // The tick's own.
@@ -155,7 +224,9 @@ class AxisCore {
   StopRamp stop_ramp_ = {};
   bool stopping_ = false;
   uint32_t epoch_ = 0;
-  uint32_t move_began_ = 0;    // tick before the move's first
+  bool flight_armed_ = false;  // a commit has been seen
+  uint64_t track_ticks_ = 0;   // since the active track began
+  Turns turns_ = {};
   uint32_t length_ticks_ = 0;  // of the active shaper, in a blend of the longer
   uint32_t drain_ticks_ = 0;   // until its line holds nothing but the standing position
   bool blending_ = false;      // the spare pair runs too

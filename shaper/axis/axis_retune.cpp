@@ -7,6 +7,8 @@ namespace stillpoint {
 namespace {
 
 constexpr uint32_t kMostLeadTicks = UINT32_C(1) << 12;
+// Longer than any ramp to it.
+constexpr uint32_t kLongestCruiseTicks = kMaxDurationTicks;
 
 // A search runs both lines full before it looks, at some ten ticks of the move a tick of the clock or more.
 uint32_t first_lead(const Shaper& a, const Shaper& b) { return 16 + (a.length_ticks() + b.length_ticks()) / 16; }
@@ -32,7 +34,12 @@ Status AxisCore::set_shaper(const ShaperDesign& design, Retune when) {
 }
 
 void AxisCore::service() {
-  if (load(pending_) != kLaterShaper || !look_again_) return;
+  if (load(pending_move_) == kMissed) {
+    store(pending_move_, kNoMove);
+    if (flight_lead_ < kMostLeadTicks) flight_lead_ *= 2;
+    if (!fly(flight_, nullptr).ok()) flight_lead_ = 0;
+  }
+  if (load(pending_) != kLaterShaper || load(pending_move_) != kNoMove || !look_again_) return;
   // From here on no tick takes it; one that did has done so before.
   store(looking_, 1);
   __atomic_signal_fence(__ATOMIC_SEQ_CST);
@@ -56,16 +63,25 @@ bool AxisCore::find_blend(const AxisState& now) {
   if (!old.configure(running(), memory_[active_shaper_ ^ 1] + used, capacity_ - used, now.setpoint).ok()) return false;
   const Track& track = tracks_[active_track_];
   const uint32_t stages = old.stage_count() > next.stage_count() ? old.stage_count() : next.stage_count();
-  const BlendLimits limits =
-      BlendLimits::make(move_.limits, move_.kind, config_.tick_s, stages, track.target() >= signal_of(track.start));
-  const uint32_t began = load(move_began_);
+  const Terms& terms = terms_[active_track_];
+  AxisLimits of_move = terms.move.limits;
+  if (terms.may_turn) {
+    if (of_move.acceleration > of_move.deceleration) of_move.acceleration = of_move.deceleration;
+    of_move.deceleration = of_move.acceleration;
+  }
+  const bool forward = wrapped_difference(track.target(), signal_of(track.start)) >= 0;
+  const BlendLimits limits = BlendLimits::make(of_move, terms.move.kind, config_.tick_s, stages, forward);
+  // A cruise is the same wherever one looks; so a year of it is not counted.
+  const uint32_t elapsed =
+      now.track_ticks < kLongestCruiseTicks ? static_cast<uint32_t>(now.track_ticks) : kLongestCruiseTicks;
+  const uint32_t began = now.tick - elapsed;
   const uint32_t ahead = blend_lead_ + next.length_ticks() + 1;
   BlendWindow window{};
   uint32_t resume = 0;
   BlendSearch search(track, limits, old, next);
   // A mean of the input's past is within whatever limits that keeps.
-  const bool proved = next.averages() && !move_sped_up_;
-  const bool found = search.find(now.tick - began + ahead, proved, window, resume);
+  const bool proved = next.averages() && !terms.only_checked;
+  const bool found = search.find(elapsed + ahead, proved, window, resume);
   if (found) {
     // Looked at again, the tick has missed it: another time more of the clock is left for the search.
     blend_begin_ = began + window.begin;

@@ -48,14 +48,20 @@ void Stream::next(Signal signal, bool forward) {
   acceleration = change;
 }
 
-bool Stream::keeps(const BlendLimits& limits, int64_t lowest) const {
-  return velocity <= limits.velocity && -limits.velocity <= velocity && velocity >= lowest &&
-         acceleration <= limits.acceleration && -limits.deceleration <= acceleration && jerk <= limits.jerk &&
-         -limits.jerk <= jerk;
+Quantity Stream::broken(const BlendLimits& limits) const {
+  if (velocity > limits.velocity || velocity < -limits.velocity) return Quantity::kVelocity;
+  if (acceleration > limits.acceleration) return Quantity::kAcceleration;
+  if (acceleration < -limits.deceleration) return Quantity::kDeceleration;
+  if (jerk > limits.jerk || jerk < -limits.jerk) return Quantity::kJerk;
+  return Quantity::kNone;
 }
 
 BlendSearch::BlendSearch(const Track& track, const BlendLimits& limits, Shaper& from, Shaper& to)
-    : track_(track), limits_(limits), from_(from), to_(to), stands_(track.duration_ticks + from.length_ticks()) {}
+    : track_(track),
+      limits_(limits),
+      from_(from),
+      to_(to),
+      stands_(track.cruises() ? kNeverStands : track.duration_ticks + from.length_ticks()) {}
 
 // Fed for its length, a line holds what it would hold had it run for ever; three ticks more give the differences.
 void BlendSearch::start_at(uint32_t first) {
@@ -131,9 +137,9 @@ bool BlendSearch::step_tries(BlendWindow& window) {
 bool BlendSearch::find(uint32_t first, bool proved, BlendWindow& window, uint32_t& resume) {
   resume = UINT32_MAX;
   if (first >= stands_) return false;
-  const uint32_t all_stand = track_.duration_ticks + to_.length_ticks() + 3;
   uint32_t end = stands_;
   if (!proved) {
+    const uint32_t all_stand = track_.duration_ticks + to_.length_ticks() + 3;
     end = all_stand > stands_ ? all_stand : stands_;
     if (end - first > kLongestBlendProofTicks) {
       resume = end - kLongestBlendProofTicks;

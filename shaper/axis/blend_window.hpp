@@ -51,7 +51,11 @@ struct Stream {
 
   void next(Signal signal, bool forward);
   // Never faster backwards than `lowest`.
-  bool keeps(const BlendLimits& limits, int64_t lowest) const;
+  bool keeps(const BlendLimits& limits, int64_t lowest) const {
+    return velocity >= lowest && broken(limits) == Quantity::kNone;
+  }
+  // The first limit it is beyond.
+  Quantity broken(const BlendLimits& limits) const;
 };
 
 // Background.
@@ -90,6 +94,7 @@ class BlendSearch {
   const BlendLimits limits_;
   Shaper& from_;
   Shaper& to_;
+  static constexpr uint32_t kNeverStands = UINT32_C(1) << 31;
   uint32_t stands_;  // the old shaper's output has arrived
   Sampler sampler_ = {};
   uint32_t tick_ = 0;

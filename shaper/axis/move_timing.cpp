@@ -31,26 +31,26 @@ Status AxisCore::fill_spare(Signal start) {
   return shapers_[spare].configure(running(), memory_[spare], capacity_, start);
 }
 
-ShapedMoveCheck AxisCore::check_for(const Move& move, Signal start) {
+ShapedMoveCheck AxisCore::check_for(const Move& move, Signal start, Signal target) {
   return ShapedMoveCheck(move.limits, move.kind != ProfileKind::kTrapezoid, config_.tick_s,
-                         shapers_[active_shaper_ ^ 1], tracks_[active_track_ ^ 1], start,
-                         signal_from_counts(move.target_counts));
+                         shapers_[active_shaper_ ^ 1], tracks_[active_track_ ^ 1], start, target);
 }
 
-Status AxisCore::time_move(const Move& move, Signal start, Plan& plan, MoveReport& report) {
+Status AxisCore::time_move(const Move& move, Signal start, Signal target, Plan& plan, MoveReport& report) {
   if (plan.distance == 0.0 && move.zero_delay) {
     report.zero_delay_met = true;
     return kOk;
   }
   if (!running().averages() && plan.distance != 0.0) {
-    const Status status = slow_down_for_shaper(move, start, plan, report);
+    const Status status = slow_down_for_shaper(move, start, target, plan, report);
     if (!status.ok()) return status;
   }
-  return move.zero_delay ? time_zero_delay(move, start, plan, report) : time_plainly(move, start, plan, report);
+  return move.zero_delay ? time_zero_delay(move, start, target, plan, report)
+                         : time_plainly(move, start, target, plan, report);
 }
 
 // Moves short enough to be looked at are slowed down no more than they need.
-Status AxisCore::slow_down_for_shaper(const Move& move, Signal start, Plan& plan, MoveReport& report) {
+Status AxisCore::slow_down_for_shaper(const Move& move, Signal start, Signal target, Plan& plan, MoveReport& report) {
   const double enough = math::ceil(plan.duration_ticks * certainly_enough(shaper().peak_gain(), move.limits));
   if (enough > kMaxDurationTicks)
     return refuse(Error::kAboveMaximum, Quantity::kDuration, enough * config_.tick_s,
@@ -59,7 +59,7 @@ Status AxisCore::slow_down_for_shaper(const Move& move, Signal start, Plan& plan
   if (!status.ok()) return status;
   uint32_t ticks = static_cast<uint32_t>(enough);
   if (plan.duration_ticks <= kLongestSearchTicks) {
-    ShapedMoveCheck check = check_for(move, start);
+    ShapedMoveCheck check = check_for(move, start, target);
     ticks = check.least_slowed_ticks(plan, plan.duration_ticks, ticks);
   }
   status = stretch(plan, ticks);
@@ -67,7 +67,7 @@ Status AxisCore::slow_down_for_shaper(const Move& move, Signal start, Plan& plan
   return status;
 }
 
-Status AxisCore::time_plainly(const Move& move, Signal start, Plan& plan, MoveReport& report) {
+Status AxisCore::time_plainly(const Move& move, Signal start, Signal target, Plan& plan, MoveReport& report) {
   const uint32_t least = plan.duration_ticks;
   if (move.duration_s != 0.0) {
     const double ticks = math::floor(move.duration_s / config_.tick_s + 0.5);
@@ -80,7 +80,7 @@ Status AxisCore::time_plainly(const Move& move, Signal start, Plan& plan, MoveRe
   report.peaks = peaks_of(plan, config_.tick_s);
   if (report.timing == MoveTiming::kPlain) return kOk;
   // Negative gains: what keeps the limits in one duration need not in a longer one.
-  ShapedMoveCheck check = check_for(move, start);
+  ShapedMoveCheck check = check_for(move, start, target);
   const Quantity binding = check.broken(plan);
   report.peaks = check.peaks();
   if (binding == Quantity::kNone) return kOk;
@@ -91,7 +91,7 @@ Status AxisCore::time_plainly(const Move& move, Signal start, Plan& plan, MoveRe
   return refuse_duration(binding, move.duration_s, longer, config_.tick_s);
 }
 
-Status AxisCore::time_zero_delay(const Move& move, Signal start, Plan& plan, MoveReport& report) {
+Status AxisCore::time_zero_delay(const Move& move, Signal start, Signal target, Plan& plan, MoveReport& report) {
   const bool asked = move.duration_s != 0.0;
   const uint32_t length = running().length_ticks();
   const double wanted = math::floor(move.duration_s / config_.tick_s * (1.0 + 1e-12));
@@ -104,30 +104,32 @@ Status AxisCore::time_zero_delay(const Move& move, Signal start, Plan& plan, Mov
                            move.duration_s, plan.duration_ticks + length, config_.tick_s);
   }
   if (running().averages() && (available >= plan.duration_ticks || too_long || running().stage_count() == 0)) {
-    return time_within(move, start, asked ? available : plan.duration_ticks, plan, report);
+    return time_within(move, start, target, asked ? available : plan.duration_ticks, plan, report);
   }
   const Status status = fill_spare(start);
   if (!status.ok()) return status;
-  return time_sooner(move, start, asked ? available : UINT32_MAX, plan, report);
+  return time_sooner(move, start, target, asked ? available : UINT32_MAX, plan, report);
 }
 
 // A mean of the past of a profile that keeps its limits keeps them too: the stream is run for its peaks alone.
-Status AxisCore::time_within(const Move& move, Signal start, uint32_t ticks, Plan& plan, MoveReport& report) {
+Status AxisCore::time_within(const Move& move, Signal start, Signal target, uint32_t ticks, Plan& plan,
+                             MoveReport& report) {
   report.timing = MoveTiming::kWithin;
   Status status = stretch(plan, ticks);
   report.peaks = peaks_of(plan, config_.tick_s);
   if (!status.ok() || ticks > kLongestSearchTicks) return status;
   status = fill_spare(start);
   if (!status.ok()) return status;
-  ShapedMoveCheck check = check_for(move, start);
+  ShapedMoveCheck check = check_for(move, start, target);
   if (check.broken(plan) == Quantity::kNone) report.peaks = check.peaks();
   return kOk;
 }
 
 // The raised plan and the plain one, each slowed down or sped up to what is available, if its stream keeps the limits
 // there; of the two the one with the lower peaks. Else the raised plan as it is, which ends before that.
-Status AxisCore::time_sooner(const Move& move, Signal start, uint32_t available, Plan& plan, MoveReport& report) {
-  ShapedMoveCheck check = check_for(move, start);
+Status AxisCore::time_sooner(const Move& move, Signal start, Signal target, uint32_t available, Plan& plan,
+                             MoveReport& report) {
+  ShapedMoveCheck check = check_for(move, start, target);
   CheckedPlan best = SoonestSearch(check, shaper(), move, plan, config_.tick_s).find();
   if (best.plan.duration_ticks > available) {
     const Quantity binding = available == 0 ? Quantity::kDuration : best.binding;

@@ -3,6 +3,8 @@
 
 #include <float.h>
 
+#include "shaper/axis/turns.hpp"
+
 namespace stillpoint {
 
 namespace {
@@ -48,7 +50,7 @@ Quantity ShapedMoveCheck::broken(const Plan& plan) {
   scratch_.fill(start_);
   Sampler sampler;
   sampler.begin(track_);
-  const bool forward = target_ >= start_;
+  const bool forward = wrapped_difference(target_, start_) >= 0;
   Signal last = start_;
   int64_t velocity = 0;
   int64_t acceleration = 0;
@@ -57,7 +59,7 @@ Quantity ShapedMoveCheck::broken(const Plan& plan) {
   const uint32_t ticks = plan.duration_ticks + scratch_.length_ticks() + 3;
   for (uint32_t i = 0; i < ticks; ++i) {
     const Signal output = scratch_.tick(sampler.tick());
-    const int64_t step = forward ? output - last : last - output;
+    const int64_t step = forward ? wrapped_difference(output, last) : wrapped_difference(last, output);
     const int64_t change = step - velocity;
     const double jerk = static_cast<double>(change) - static_cast<double>(acceleration);
     last = output;

@@ -9,43 +9,49 @@ namespace stillpoint {
 
 namespace {
 
-// Limits of a move over the distance 1, in ticks.
-struct UnitLimits {
-  double velocity;
+// Of one change of velocity from or to zero; of a move over the distance 1, in ticks.
+struct RampLimits {
   double acceleration;
-  double deceleration;
   double jerk;
-  bool jerk_limited;
+  // From this velocity on the acceleration reaches its limit.
+  double full_velocity() const { return acceleration * (acceleration / jerk); }
 };
 
-// One change of velocity from or to zero: jerk up, constant acceleration, jerk down.
+enum : int { kUp, kDown, kRamps };
+
+struct UnitLimits {
+  double velocity;
+  RampLimits ramp[kRamps];
+};
+
+// Jerk up, constant acceleration, jerk down.
 struct Ramp {
   double jerk_ticks;
   double constant_ticks;
   double ticks() const { return 2.0 * jerk_ticks + constant_ticks; }
 };
 
-Ramp ramp_to(double velocity, double acceleration, const UnitLimits& limits) {
-  if (!limits.jerk_limited) return Ramp{0.0, velocity / acceleration};
-  const double jerk_ticks = acceleration / limits.jerk;
-  if (velocity > acceleration * jerk_ticks) return Ramp{jerk_ticks, velocity / acceleration - jerk_ticks};
+Ramp ramp_to(double velocity, const RampLimits& limits) {
+  const double jerk_ticks = limits.acceleration / limits.jerk;
+  if (velocity > limits.acceleration * jerk_ticks) return Ramp{jerk_ticks, velocity / limits.acceleration - jerk_ticks};
   return Ramp{math::sqrt(velocity / limits.jerk), 0.0};
 }
 
-// The peak velocity where the stronger ramp stays below its acceleration limit and the weaker one reaches its own: the
-// root s = sqrt(v) of s^4/a + 2 s^3/sqrt(j) + s^2 a/j = 2, a the weaker limit. The left side is convex and rises, so
+// The peak velocity where one ramp stays below its acceleration limit, with the jerk `free_jerk`, and the other reaches
+// its own: the root s = sqrt(v) of s^4/a + 2 s^3/sqrt(free_jerk) + s^2 a/j = 2. The left side is convex and rises, so
 // Newton's steps from the right go down to the root without passing it.
-double mixed_peak_velocity(double weaker, double jerk) {
-  const double root_jerk = math::sqrt(jerk);
+double mixed_peak_velocity(const RampLimits& full, double free_jerk) {
+  const double a = full.acceleration;
+  const double root_jerk = math::sqrt(free_jerk);
   // Each term alone is at most 2 at the root; the tightest of the three is within a factor 3 of it.
-  double s = math::sqrt(math::sqrt(2.0 * weaker));
+  double s = math::sqrt(math::sqrt(2.0 * a));
   const double by_jerk = math::cbrt(root_jerk);
-  const double by_both = math::sqrt(2.0 * jerk / weaker);
+  const double by_both = math::sqrt(2.0 * full.jerk / a);
   if (by_jerk < s) s = by_jerk;
   if (by_both < s) s = by_both;
   for (int step = 0; step < 64; ++step) {
-    const double value = s * s * (s * s / weaker + 2.0 * s / root_jerk + weaker / jerk) - 2.0;
-    const double slope = s * (4.0 * s * s / weaker + 6.0 * s / root_jerk + 2.0 * weaker / jerk);
+    const double value = s * s * (s * s / a + 2.0 * s / root_jerk + a / full.jerk) - 2.0;
+    const double slope = s * (4.0 * s * s / a + 6.0 * s / root_jerk + 2.0 * a / full.jerk);
     const double next = s - value / slope;
     if (!(next < s)) break;
     s = next;
@@ -55,34 +61,37 @@ double mixed_peak_velocity(double weaker, double jerk) {
 
 // The peak velocity of the shortest move without a cruise: v (T1(v) + T2(v)) = 2.
 double uncruised_peak_velocity(const UnitLimits& limits) {
-  const double a = limits.acceleration;
-  const double d = limits.deceleration;
-  if (!limits.jerk_limited) return math::sqrt(2.0 / (1.0 / a + 1.0 / d));
-  const double weaker = a < d ? a : d;
-  const double stronger = a < d ? d : a;
-  const double by_jerk = math::cbrt(limits.jerk / 4.0);
-  if (by_jerk <= weaker * (weaker / limits.jerk)) return by_jerk;
-  const double p = 1.0 / a + 1.0 / d;
-  const double q = (a + d) / limits.jerk;
+  const bool down_first = limits.ramp[kDown].full_velocity() < limits.ramp[kUp].full_velocity();
+  const RampLimits& first = limits.ramp[down_first ? kDown : kUp];  // to reach its acceleration limit
+  const RampLimits& last = limits.ramp[down_first ? kUp : kDown];
+  const double ratio = first.jerk / last.jerk;
+  // 1/sqrt(j1) + 1/sqrt(j2) = 2/sqrt(j) for the jerk j = j1 mean^2.
+  const double mean = 2.0 / (1.0 + math::sqrt(ratio));
+  const double by_jerk = math::cbrt(first.jerk * mean * mean / 4.0);
+  if (by_jerk <= first.full_velocity()) return by_jerk;
+  const double p = 1.0 / first.acceleration + 1.0 / last.acceleration;
+  const double q = (first.acceleration + last.acceleration * ratio) / first.jerk;
   const double with_both = 4.0 / (q + math::sqrt(q * q + 8.0 * p));
-  if (with_both >= stronger * (stronger / limits.jerk)) return with_both;
-  return mixed_peak_velocity(weaker, limits.jerk);
+  if (with_both >= last.full_velocity()) return with_both;
+  return mixed_peak_velocity(first, last.jerk);
 }
 
 struct Phases {
-  Ramp up;
-  Ramp down;
+  Ramp ramp[kRamps];
   double cruise_ticks;
-  double ticks() const { return up.ticks() + cruise_ticks + down.ticks(); }
+  double ramp_ticks() const { return ramp[kUp].ticks() + ramp[kDown].ticks(); }
+  double ticks() const { return ramp[kUp].ticks() + cruise_ticks + ramp[kDown].ticks(); }
 };
 
+Phases phases_at(double velocity, const UnitLimits& limits) {
+  return Phases{{ramp_to(velocity, limits.ramp[kUp]), ramp_to(velocity, limits.ramp[kDown])}, 0.0};
+}
+
 Phases shortest(const UnitLimits& limits) {
-  Phases phases{ramp_to(limits.velocity, limits.acceleration, limits),
-                ramp_to(limits.velocity, limits.deceleration, limits), 0.0};
-  phases.cruise_ticks = 1.0 / limits.velocity - (phases.up.ticks() + phases.down.ticks()) / 2.0;
+  Phases phases = phases_at(limits.velocity, limits);
+  phases.cruise_ticks = 1.0 / limits.velocity - phases.ramp_ticks() / 2.0;
   if (phases.cruise_ticks >= 0.0) return phases;
-  const double peak = uncruised_peak_velocity(limits);
-  return Phases{ramp_to(peak, limits.acceleration, limits), ramp_to(peak, limits.deceleration, limits), 0.0};
+  return phases_at(uncruised_peak_velocity(limits), limits);
 }
 
 // A ramp whose jerk phases are this much shorter than a tick is planned with constant acceleration over all its time:
@@ -108,24 +117,35 @@ void append_ramp(Plan& plan, const Ramp& ramp, double velocity, double sign) {
 
 // Limits past any use, kept where their products are finite.
 double moderate(double limit) { return limit < 1e60 ? limit : 1e60; }
-
-void scale(Ramp& ramp, double factor) {
-  ramp.jerk_ticks *= factor;
-  ramp.constant_ticks *= factor;
-}
+constexpr double kNoJerkLimit = 1e300;  // of a trapezoid: its jerk phases vanish beside any acceleration so kept
 
 void write_segments(Plan& plan, Phases phases, uint32_t duration_ticks) {
   const double factor = duration_ticks / phases.ticks();
-  scale(phases.up, factor);
-  scale(phases.down, factor);
-  const double ramps = phases.up.ticks() + phases.down.ticks();
+  for (Ramp& ramp : phases.ramp) {
+    ramp.jerk_ticks *= factor;
+    ramp.constant_ticks *= factor;
+  }
   const bool cruises = phases.cruise_ticks > 0.0;
-  const double velocity = plan.distance / (cruises ? duration_ticks - ramps / 2.0 : duration_ticks / 2.0);
+  const double velocity = plan.distance / (cruises ? duration_ticks - phases.ramp_ticks() / 2.0 : duration_ticks / 2.0);
   plan.segment_count = 0;
-  append_ramp(plan, phases.up, velocity, 1.0);
+  append_ramp(plan, phases.ramp[kUp], velocity, 1.0);
   if (cruises) plan.segments[plan.segment_count++] = Segment{phases.cruise_ticks * factor, 0.0, 0.0};
-  append_ramp(plan, phases.down, velocity, -1.0);
+  append_ramp(plan, phases.ramp[kDown], velocity, -1.0);
   plan.duration_ticks = duration_ticks;
+}
+
+UnitLimits unit_limits(double distance, const AxisLimits& limits, bool jerk_limited, double tick_s) {
+  const double per_distance = 1.0 / math::abs(distance);
+  const double tick_2 = tick_s * tick_s;
+  const auto in_unit = [&](double limit, double per_tick) { return moderate(limit * per_distance * per_tick); };
+  UnitLimits unit{
+      in_unit(limits.velocity, tick_s),
+      {{in_unit(limits.acceleration, tick_2), kNoJerkLimit}, {in_unit(limits.deceleration, tick_2), kNoJerkLimit}}};
+  if (jerk_limited) {
+    unit.ramp[kUp].jerk = in_unit(limits.jerk, tick_2) * tick_s;
+    unit.ramp[kDown].jerk = in_unit(limits.braking_jerk(), tick_2) * tick_s;
+  }
+  return unit;
 }
 
 }  // namespace
@@ -148,13 +168,7 @@ Status plan_rest_to_rest(double distance, const AxisLimits& limits, ProfileKind 
     out = Plan{};
     return kOk;
   }
-  const double per_distance = 1.0 / math::abs(distance);
-  const double tick_2 = tick_s * tick_s;
-  const UnitLimits unit{moderate(limits.velocity * per_distance * tick_s),
-                        moderate(limits.acceleration * per_distance * tick_2),
-                        moderate(limits.deceleration * per_distance * tick_2),
-                        moderate(limits.jerk * per_distance * tick_2 * tick_s), kind == ProfileKind::kSCurve};
-  const Phases phases = shortest(unit);
+  const Phases phases = shortest(unit_limits(distance, limits, kind == ProfileKind::kSCurve, tick_s));
   const double ticks = phases.ticks();
   if (!(ticks <= kMaxDurationTicks))
     return refuse(Error::kAboveMaximum, Quantity::kDuration, ticks * tick_s, kMaxDurationTicks * tick_s);

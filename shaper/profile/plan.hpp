@@ -43,7 +43,8 @@ struct Peaks {
 
 // Plans from rest to rest over `distance` (signed, any unit; zero gives an empty plan of 0 ticks) in the least time.
 // The continuous optimum T is stretched uniformly to N = ceil(T/dt) ticks (a T that is above a whole number of ticks by
-// no more than rounding counts as whole). Scale-free: distance and limits in another unit give the same N.
+// no more than rounding counts as whole). Scale-free: distance and limits in another unit give the same N. The way up
+// keeps acceleration and jerk, the way down deceleration and braking_jerk(); the trapezoid has no jerk limit.
 // Refuses distances and limits that are not finite, limits not above zero, a tick not above zero, and a move that would
 // take more than kMaxDurationTicks; `out` is then unchanged. Cost: closed form, and where one ramp reaches its
 // acceleration limit and the other does not, at most 64 Newton steps.

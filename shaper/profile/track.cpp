@@ -20,20 +20,23 @@ Differences& at(Track& track, uint32_t tick) {
   return track.switches[i].add;
 }
 
-// A time between ticks: `first` is the first tick not before it, `fraction` the part of a tick from it to there.
+// A time between ticks: `first` is the first tick not before it, `fraction` the part of a tick from it to there. Whole
+// ticks apart from the rest: a short phase of high jerk keeps the digits of its duration however late it begins.
 struct Moment {
   uint32_t first;
   double fraction;
 };
 
-Moment from_start(double ticks) {
-  const double first = math::ceil(ticks);
-  return Moment{static_cast<uint32_t>(first), first - ticks};
+Moment after(const Moment& moment, double ticks) {
+  const double late = ticks - moment.fraction;
+  const double whole = math::ceil(late);
+  return Moment{moment.first + static_cast<uint32_t>(whole), whole - late};
 }
 
-Moment before_end(uint32_t end, double ticks) {
-  const double whole = math::floor(ticks);
-  return whole < end ? Moment{end - static_cast<uint32_t>(whole), ticks - whole} : Moment{0, 0.0};
+Moment before(const Moment& moment, double ticks) {
+  const double early = moment.fraction + ticks;
+  const double whole = math::floor(early);
+  return whole <= moment.first ? Moment{moment.first - static_cast<uint32_t>(whole), early - whole} : Moment{0, 0.0};
 }
 
 // From the moment on, the samples have dv t + da t^2/2 + dj t^3/6 more.
@@ -46,8 +49,7 @@ void add_change(Track& track, const Moment& moment, double dv, double da, double
   add.difference[3] += wide(dj);
 }
 
-// Where segment i begins, `into` ticks later. Measured from the nearer end of the longest segment: a sum over a long
-// cruise would lose the bits that a high jerk multiplies.
+// Where segment i begins. Measured from the nearer end of the longest segment, which takes what rounding leaves.
 class Times {
  public:
   explicit Times(const Plan& plan) : plan_(plan) {
@@ -55,18 +57,21 @@ class Times {
       if (plan.segments[i].duration_ticks > plan.segments[longest_].duration_ticks) longest_ = i;
     }
   }
-  Moment at(uint32_t segment, double into) const {
-    double ticks = 0.0;
-    if (segment <= longest_) {
-      for (uint32_t i = 0; i < segment; ++i) ticks += plan_.segments[i].duration_ticks;
-      ticks += into;
-      return from_start(ticks < plan_.duration_ticks ? ticks : plan_.duration_ticks);
+  Moment at(uint32_t segment) const {
+    const Moment end{plan_.duration_ticks, 0.0};
+    Moment moment = end;
+    if (segment > longest_) {
+      for (uint32_t i = plan_.segment_count; i > segment; --i) moment = before(moment, ticks(i - 1));
+      return moment;
     }
-    for (uint32_t i = plan_.segment_count; i > segment; --i) ticks += plan_.segments[i - 1].duration_ticks;
-    return before_end(plan_.duration_ticks, ticks > into ? ticks - into : 0.0);
+    moment = Moment{0, 0.0};
+    for (uint32_t i = 0; i < segment; ++i) moment = after(moment, ticks(i));
+    return moment.first <= end.first ? moment : end;
   }
 
  private:
+  double ticks(uint32_t segment) const { return plan_.segments[segment].duration_ticks; }
+
   const Plan& plan_;
   uint32_t longest_ = 0;
 };
@@ -90,10 +95,10 @@ void add_segments(Track& track, const Plan& plan, double acceleration, double je
     const double ticks = segment.duration_ticks;
     if (ticks < kStepTicks && segment.jerk == 0.0 && segment.acceleration != 0.0 &&
         step_between(acceleration, segment.acceleration) != 0.0) {
-      add_change(track, times.at(i, ticks / 2.0), segment.acceleration * ticks, 0.0, 0.0);
+      add_change(track, after(times.at(i), ticks / 2.0), segment.acceleration * ticks, 0.0, 0.0);
       continue;
     }
-    add_change(track, times.at(i, 0.0), 0.0, step_between(acceleration, segment.acceleration), segment.jerk - jerk);
+    add_change(track, times.at(i), 0.0, step_between(acceleration, segment.acceleration), segment.jerk - jerk);
     acceleration = segment.acceleration + segment.jerk * ticks;
     jerk = segment.jerk;
   }
@@ -225,7 +230,9 @@ void Track::make_from(const Plan& plan, const Differences& start, Signal target,
 
 void Track::make_cruise(const Plan& plan, const Differences& start, double velocity, Track& out) {
   make_switches(plan, start, acceleration_of(start), to_counts(start.difference[3]), out);
-  out.end = Differences{{end_of(out).difference[0], wide(velocity)}};
+  const Differences end = end_of(out);
+  if (velocity == 0.0) return end_at(signal_of(end), out);
+  out.end = Differences{{end.difference[0], wide(velocity)}};
 }
 
 void Track::make_uncorrected(const Plan& plan, Signal start, Track& out) {
@@ -235,11 +242,11 @@ void Track::make_uncorrected(const Plan& plan, Signal start, Track& out) {
   out.end = standing(static_cast<Signal>(end_of(out).difference[0].high));
 }
 
-Differences Track::differences_at(uint32_t tick, uint32_t& next_switch) const {
-  if (tick < duration_ticks) return added_up(*this, tick, next_switch);
+Differences Track::differences_at(uint64_t tick, uint32_t& next_switch) const {
+  if (tick < duration_ticks) return added_up(*this, static_cast<uint32_t>(tick), next_switch);
   next_switch = switch_count;
   Differences state = end;
-  advance(state, tick - duration_ticks);
+  state.difference[0] += Wide{tick - duration_ticks, 0} * end.difference[1];
   return state;
 }
 

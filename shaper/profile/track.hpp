@@ -69,7 +69,7 @@ struct Track {
 
   // The state that `tick` ticks lead to, what begins at that tick included, and which switch comes next. From the last
   // tick on: the end, moved on at its velocity.
-  Differences differences_at(uint32_t tick, uint32_t& next_switch) const;
+  Differences differences_at(uint64_t tick, uint32_t& next_switch) const;
 };
 
 // Velocity and acceleration there, in counts and seconds.

@@ -13,16 +13,20 @@ LineSample split(Signal signal) {
 
 int64_t product(int32_t half, int32_t gain) { return static_cast<int64_t>(half) * gain; }
 
+// Of the samples' halves, the high ones as seen from the newest: positions wrap at the end of their range, the distance
+// between two samples does not. The gains sum to one, so nothing else changes, not even in the last bit.
 struct Sums {
+  int32_t newest;
   int64_t low;
   int64_t high;
 
   void add(int32_t gain, const LineSample& sample) {
     low += product(sample.low, gain);
-    high += product(sample.high, gain);
+    high += product(static_cast<int32_t>(static_cast<uint32_t>(sample.high) - static_cast<uint32_t>(newest)), gain);
   }
   Signal rounded() const {
-    return static_cast<Signal>((static_cast<uint64_t>(high) << (32 - kGainFractionBits)) +
+    return static_cast<Signal>((uint64_t{static_cast<uint32_t>(newest)} << 32) +
+                               (static_cast<uint64_t>(high) << (32 - kGainFractionBits)) +
                                static_cast<uint64_t>(low >> kGainFractionBits));
   }
 };
@@ -94,7 +98,7 @@ Signal Shaper::tick(Signal input) {
     *newest = now;
     // The sums of the halves apart, each one multiply-accumulate a tap: |low| * sum |gain| stays below 2^63 for gains
     // that sum to less than 4 in magnitude. The first tap is always the input itself, the others come in pairs.
-    Sums sums{(INT64_C(1) << (kGainFractionBits - 1)) + product(now.low, tap->high), product(now.high, tap->high)};
+    Sums sums{now.high, (INT64_C(1) << (kGainFractionBits - 1)) + product(now.low, tap->high), 0};
     ++tap;
     do {
       sums.add(tap[0].high, *older(newest, static_cast<uint32_t>(tap[0].low), first, length));

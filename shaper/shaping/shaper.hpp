@@ -43,7 +43,8 @@ class Shaper {
   void fill(Signal position);
 
   // Takes the input of this tick, returns the output. No division; per stage one rounding to the nearest LSB, so the
-  // output of a stage at rest is its input exactly.
+  // output of a stage at rest is its input exactly. The input may wrap at the end of the position range; over the
+  // shaper's length it must stay within 2^31 counts.
   Signal tick(Signal input);
 
   uint32_t stage_count() const { return stage_count_; }
