@@ -42,7 +42,7 @@ struct Move {
   Approach approach = Approach::kShortest;  // of a rotary axis; a linear one ignores it
 };
 
-// How a move came to its duration. All but the first: so that the *shaped* move is over in time.
+// How a move came to its duration. From kWithin on: so that the *shaped* move is over in time.
 enum class MoveTiming : uint8_t {
   kPlain,   // the duration wanted, or the least within the limits, and the shaper's length more
   kSlowed,  // the same, slowed down for a shaper that raises peaks

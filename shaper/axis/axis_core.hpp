@@ -37,9 +37,9 @@ class AxisCore {
   // the next one that is known to). Zero delay (MoveTiming): a profile that keeps the limits by itself is taken as it
   // is. Else the soonest that the shaped stream allows, and the plain one, each stretched to the duration wanted: the
   // one with the lower peaks. Cost: one plan. Zero delay up to kLongestSearchTicks: one run through the stages; beyond
-  // the profile's own limits 24 to 30 plans and 25 to 50 runs, at most SoonestSearch::kMostChecks + 2, each of the
-  // profile's ticks and the shaper's; a longer profile is not looked at. Negative gains: at most 16 runs before that.
-  // Stack: 3 KB.
+  // the profile's own limits 24 to 30 plans and 19 runs in the median of 1,000 random moves, 29 in a tenth, at most
+  // SoonestSearch::kMostChecks + 2, each of the profile's ticks and the shaper's; a longer profile is not looked at.
+  // Negative gains: at most 16 runs before that. Stack: 4 KB.
   //
   // In flight: another target, other limits or both, from where the profile will be a few ticks from now (the shaper
   // stays, and goes on with what it holds). The plan is plan_from's whatever the kind, but a trapezoid's jerk stays

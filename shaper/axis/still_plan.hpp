@@ -27,8 +27,8 @@ namespace stillpoint {
 // The smaller of the two jerks holds on all of it. Duration: T = optimum_ticks, rounded up to whole ticks, the rest of
 // the last standing. Refuses what plan_rest_to_rest does; kNotAvailable without a mode, with more than kMostStillModes,
 // with an invalid one, and where no start led to a move that keeps everything to 1e-9. `out` is then unchanged.
-// Cost: at most kStillStarts * kStillSteps programmes of 21 variables, some 20 million floating point operations in
-// all. Stack: 12 KB. Background.
+// Cost: kStillStarts searches of at most StillSearch::kMostProgrammes programmes each; 8 ms in the mean on an x86-64
+// host, so seconds where doubles are software. Stack: 16 KB. Background.
 Status plan_still(double distance, const AxisLimits& limits, const Mode* modes, size_t mode_count, double tick_s,
                   Plan& out);
 

@@ -39,7 +39,7 @@ class StillSearch {
 
   const JerkSequence& sequence() const { return sequence_; }
 
-  static constexpr int kMostProgrammes = 300;
+  static constexpr int kMostProgrammes = 400;
 
  private:
   // Rows of the programme are in the changes of the lengths; those begin at `low`.
