@@ -5,6 +5,8 @@
 #include <memory>
 
 #include "shaper/axis/axis.hpp"
+#include "shaper/axis/still_plan.hpp"
+#include "shaper/profile/track.hpp"
 #include "sim/refusal.hpp"
 #include "sim/text.hpp"
 
@@ -73,6 +75,25 @@ Recording run_from_motion(const MoveTask& task) {
   sampler.begin(track);
   Recording recording{{plan.duration_ticks, plan.duration_ticks, plan.optimum_ticks, true}, {0}};
   for (uint32_t tick = 0; tick < plan.duration_ticks; ++tick) recording.setpoints.push_back(sampler.tick());
+  return recording;
+}
+
+Recording run_still(const MoveTask& task, const std::vector<Mode>& modes) {
+  Plan plan{};
+  require(plan_still(task.distance_counts, task.limits, modes.data(), modes.size(), task.tick_s, plan),
+          task.counts_per_unit);
+  check_length(plan.duration_ticks, task.tick_s);
+  Track track{};
+  Track::make(plan, 0, signal_from_counts(task.distance_counts), track);
+  Recording recording{};
+  recording.report.profile_ticks = plan.duration_ticks;
+  recording.report.total_ticks = plan.duration_ticks;
+  recording.report.optimum_ticks = plan.optimum_ticks;
+  recording.report.peaks = peaks_of(plan, task.tick_s);
+  recording.setpoints.push_back(0);
+  Sampler sampler;
+  sampler.begin(track);
+  for (uint32_t i = 0; i < plan.duration_ticks; ++i) recording.setpoints.push_back(sampler.tick());
   return recording;
 }
 

@@ -53,6 +53,10 @@ Plan plan_of(const MoveTask& task, uint32_t duration_ticks = 0);
 // The samples of a move that begins in motion, without an axis. Throws a Refusal.
 Recording run_from_motion(const MoveTask& task);
 
+// The profile that leaves the modes still by itself (plan_still), sampled by a track, as an axis would. Throws a
+// Refusal where there is none, or it would be too long.
+Recording run_still(const MoveTask& task, const std::vector<Mode>& modes);
+
 // A drive at rest at `start` with that arm behind it; a perfect encoder.
 SimulatedDrive drive_for(const MoveTask& task, const ArmModes& arm, Signal start);
 

@@ -285,8 +285,9 @@ Status AxisCore::check_stream(const Flight& flight, const AxisState& now, uint32
   const uint32_t stages = running().stage_count() - 1;
   const AxisLimits& limits = flight.move.limits;
   const AxisLimits& before = now.phase == AxisPhase::kAtRest ? limits : terms_[active_track_].move.limits;
-  const FlightLimits allowed{BlendLimits::make(around(limits, limits), flight.move.jerk_limited(), config_.tick_s, stages, true),
-                             BlendLimits::make(around(limits, before), flight.move.jerk_limited(), config_.tick_s, stages, true)};
+  const FlightLimits allowed{
+      BlendLimits::make(around(limits, limits), flight.move.jerk_limited(), config_.tick_s, stages, true),
+      BlendLimits::make(around(limits, before), flight.move.jerk_limited(), config_.tick_s, stages, true)};
   Quantity broken = Quantity::kDuration;
   if (now.phase == AxisPhase::kAtRest) {
     Track still{};

@@ -30,7 +30,7 @@ BlendLimits BlendLimits::make(const AxisLimits& limits, bool jerk_limited, doubl
   const int64_t rounding = int64_t{stages} + 2;
   const double lsb_tick = tick_s * static_cast<double>(kSignalPerCount);
   const double lsb_tick_2 = lsb_tick * tick_s;
-  const double jerk = jerk_limited ? limits.jerk * lsb_tick_2 * tick_s : kLargestLimit;
+  const double jerk = jerk_limited ? limits.larger_jerk() * lsb_tick_2 * tick_s : kLargestLimit;
   return BlendLimits{whole(limits.velocity * lsb_tick, rounding),
                      whole(limits.acceleration * lsb_tick_2, 2 * rounding),
                      whole(limits.deceleration * lsb_tick_2, 2 * rounding),

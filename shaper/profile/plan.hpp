@@ -65,7 +65,7 @@ struct MatchedShape {
   BoxPair ramp[2];  // up and down: whose convolution is the base's ramp
 };
 
-constexpr size_t kMaxSegments = 15;  // from rest to rest 7, matched 15; see plan_from.hpp for the others
+constexpr size_t kMaxSegments = 16;  // from rest to rest 7, matched 15; see plan_from.hpp for the others
 constexpr uint32_t kMaxDurationTicks = UINT32_C(1) << 30;  // 12 days at 1 ms
 
 struct Plan {

@@ -105,7 +105,7 @@ TEST_HOST(what_the_drive_cannot_take_is_refused_before_it_is_started) {
 TEST_HOST(what_cannot_be_done_ends_with_1_and_json_names_the_cause) {
   check_refused(1, "duration: 1.5: shorter than the limits allow, at least 1.51 s", "profile --duration 1.5 " + kMove);
   const std::string zero_delay = "move --zero-delay --duration 1.52 " + kArm + kMove;
-  check_refused(1, "duration: 1.52: the shaped move would exceed its velocity limit, at least 1.556 s", zero_delay);
+  check_refused(1, "duration: 1.52: the shaped move would exceed its velocity limit, at least 1.532 s", zero_delay);
   const Outcome outcome = run_program(zero_delay + " --json");
   TEST_ASSERT_EQUAL_INT32(1, outcome.exit_code);
   REQUIRE(Json::parse(outcome.output).at("result") == "velocity_limit");
