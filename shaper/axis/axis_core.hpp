@@ -59,10 +59,10 @@ class AxisCore {
   Status jog(double velocity, const AxisLimits& limits, MoveReport* report);
 
   // Streamed setpoints: from the next commit on every tick follows what `stream` was given last, bit for bit where that
-  // keeps the limits, and before the shaper, so that what leaves is shaped; in front of a soft limit it stops. It begins
-  // with a setpoint where the axis stands. `halt` ends it, and so does a fault. Refuses kBusy unless at rest with
-  // nothing pending, limits above the axis's maximum or below what StreamLimits can hold, a velocity as `jog` does, and
-  // kNotAvailable behind a shaper with negative gains, whose output nobody can vouch for.
+  // keeps the limits, and before the shaper, so that what leaves is shaped; in front of a soft limit it stops. It
+  // begins with a setpoint where the axis stands. `halt` ends it, and so does a fault. Refuses kBusy unless at rest
+  // with nothing pending, limits above the axis's maximum or below what StreamLimits can hold, a velocity as `jog`
+  // does, and kNotAvailable behind a shaper with negative gains, whose output nobody can vouch for.
   Status begin_stream(const StreamConfig& config);
 
   // The setpoint of the next tick. Between ticks: from the background or from the tick's own context.
@@ -186,8 +186,9 @@ class AxisCore {
 
   void take_move(bool commit);
   void begin_track();
-  void start_stream();
-  Signal follow_stream();
+  // Weak, beside begin_stream: an image that never calls that has none of the limiter's 7 KB.
+  [[gnu::weak]] void start_stream();
+  [[gnu::weak]] Signal follow_stream();
   void take_pending(uint32_t what);
   void take_shaper(uint32_t what);
   void begin_blend();
@@ -205,9 +206,9 @@ class AxisCore {
   StopLimits stop_limits_ = {};
   Signal soft_low_ = 0;
   Signal soft_high_ = 0;
-  bool configured_ = false;
   LineSample* memory_[2] = {};
   size_t capacity_ = 0;
+  bool configured_ = false;
 
   // The mailbox. The background fills the spares, then sets pending_; the tick takes them and clears it. A stop or
   // reset in between moves epoch_ on, and what was planned before it is dropped.
@@ -222,16 +223,16 @@ class AxisCore {
   uint32_t stop_requested_ = 0;
   // Written for the stream that waits.
   StreamLimits stream_limits_ = {};
-  StreamPolicy stream_policy_ = StreamPolicy::kClamp;
-  uint32_t made_up_ticks_ = 0;
-  uint32_t stream_begin_count_ = 0;  // of streamed_count_: what comes later belongs to it
-  uint32_t stream_end_requested_ = 0;
   Signal streamed_[2] = {};  // the one of the count's last bit is the newest
   uint32_t streamed_count_ = 0;
+  uint32_t stream_begin_count_ = 0;  // what comes later belongs to it
+  uint32_t made_up_ticks_ = 0;
+  uint32_t stream_end_requested_ = 0;
+  StreamPolicy stream_policy_ = StreamPolicy::kClamp;
 
   // The background's own.
   Flight flight_ = {};
-  uint32_t flight_lead_ = 0;    // ticks from a plan in flight to where it begins; 0: the shortest
+  uint32_t flight_lead_ = 0;    // ticks from a plan in flight to where it begins
   bool look_again_ = false;     // at
   uint32_t look_again_at_ = 0;  // this tick of the axis
   uint32_t blend_lead_ = 0;     // ticks from a search to the first window it may offer
@@ -246,17 +247,17 @@ class AxisCore {
   // The tick's own.
   Sampler sampler_ = {};
   StopRamp stop_ramp_ = {};
-  bool stopping_ = false;
-  uint32_t epoch_ = 0;
-  bool flight_armed_ = false;  // a commit has been seen
-  uint64_t track_ticks_ = 0;   // since the active track began
+  uint64_t track_ticks_ = 0;  // since the active track began
   Turns turns_ = {};
   StreamLimiter limiter_ = {};
+  bool stopping_ = false;
+  bool flight_armed_ = false;  // a commit has been seen
   bool streaming_ = false;
+  bool blending_ = false;  // the spare pair runs too
+  uint32_t epoch_ = 0;
   uint32_t stream_seen_ = 0;   // of streamed_count_
   uint32_t length_ticks_ = 0;  // of the active shaper, in a blend of the longer
   uint32_t drain_ticks_ = 0;   // until its line holds nothing but the standing position
-  bool blending_ = false;      // the spare pair runs too
   uint32_t blend_wait_ = 0;    // ticks of the old output still to come
   BlendRamp blend_ramp_ = {};
   Signal outputs_[3] = {};  // newest first

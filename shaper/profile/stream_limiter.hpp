@@ -41,9 +41,9 @@ class StreamLimiter {
   void start(const StreamLimits& limits, StreamPolicy policy, uint32_t made_up_ticks, Signal newest, Signal before,
              Signal before_that);
 
-  // From here on it also stays between two positions, with the output inside: in front of one it stops in time. A stream
-  // that brakes onto it later than leaves some room for the stop is limited. low >= high: no such ends. `start` leaves
-  // them as they are.
+  // From here on it also stays between two positions, with the output inside: in front of one it stops in time. A
+  // stream that brakes onto it later than leaves some room for the stop is limited. low >= high: no such ends. `start`
+  // leaves them as they are.
   void keep_between(Signal low, Signal high);
 
   // Ramps to rest within the limits, whatever comes in, and stands until it is started anew.
