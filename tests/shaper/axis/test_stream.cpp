@@ -55,7 +55,10 @@ struct Streaming {
 TEST_F(Streaming, what_keeps_the_limits_is_followed_bit_for_bit) {
   TEST_ASSERT_OK(begin(StreamPolicy::kFault));
   plan(1700000);
-  for (int tick = 0; tick < 1600; ++tick) TEST_ASSERT_EQUAL_INT64(master.state().setpoint, step());
+  for (int tick = 0; tick < 1600; ++tick) {
+    const Signal setpoint = step();
+    TEST_ASSERT_EQUAL_INT64(master.state().setpoint, setpoint);
+  }
   TEST_ASSERT_TRUE(axis.state().phase == AxisPhase::kStreaming);
   TEST_ASSERT_EQUAL_UINT32(0, axis.state().limited_ticks);
   TEST_ASSERT_OK(axis.halt(kLimits, nullptr));
