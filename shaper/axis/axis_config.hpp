@@ -89,10 +89,13 @@ struct AxisState {
   Signal demand;         // before shaping
   Signal setpoint;       // after shaping: what the drive is given
   Signal zero;           // of a rotary axis: see Turns
-  // Of the last stream: its last setpoint was not followed; for so many ticks in all; it ended for that.
-  bool limiting;
-  bool stream_faulted;
-  uint32_t limited_ticks;
+};
+
+// Of the last stream.
+struct StreamState {
+  bool limiting;           // its last setpoint was not followed
+  bool faulted;            // it ended for that
+  uint32_t limited_ticks;  // of all streams
 };
 
 }  // namespace stillpoint

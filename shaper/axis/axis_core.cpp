@@ -182,22 +182,14 @@ void AxisCore::reset(Signal position) {
 }
 
 void AxisCore::publish(Signal setpoint) {
-  AxisState state{};
-  state.tick = published_.latest().tick + 1;
-  state.phase = stopping_                        ? AxisPhase::kStopping
-                : streaming_                     ? AxisPhase::kStreaming
-                : !sampler_.at_rest()            ? AxisPhase::kMoving
-                : drain_ticks_ != 0 || blending_ ? AxisPhase::kDraining
-                                                 : AxisPhase::kAtRest;
-  state.track_ticks = track_ticks_;
-  state.demand = stopping_ ? setpoint : streaming_ ? limiter_.position() : sampler_.position();
-  state.setpoint = setpoint;
+  const AxisPhase phase = stopping_                        ? AxisPhase::kStopping
+                          : streaming_                     ? AxisPhase::kStreaming
+                          : !sampler_.at_rest()            ? AxisPhase::kMoving
+                          : drain_ticks_ != 0 || blending_ ? AxisPhase::kDraining
+                                                           : AxisPhase::kAtRest;
+  const Signal demand = stopping_ ? setpoint : streaming_ ? limiter_.position() : sampler_.position();
   turns_.follow(setpoint);
-  state.zero = turns_.zero;
-  state.limiting = streaming_ && limiter_.limiting();
-  state.stream_faulted = limiter_.faulted();
-  state.limited_ticks = limiter_.limited_ticks();
-  published_.publish(state);
+  published_.publish(AxisState{published_.latest().tick + 1, phase, track_ticks_, demand, setpoint, turns_.zero});
 }
 
 int32_t AxisCore::reading_counts() const {

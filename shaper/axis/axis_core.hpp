@@ -68,6 +68,9 @@ class AxisCore {
   // The setpoint of the next tick. Between ticks: from the background or from the tick's own context.
   void stream(Signal setpoint);
 
+  // Each of its own tick, not of one.
+  StreamState stream_state() const;
+
   // To rest as soon as `limits` allow, before the shaper: so it ends still, the shaper's length later. A command that
   // waits is dropped. Where no such motion keeps the axis's own limits (soft ones, or in a blend) it becomes a quick
   // stop. Refuses only limits that are invalid or above the axis's maximum.
@@ -255,7 +258,10 @@ class AxisCore {
   bool streaming_ = false;
   bool blending_ = false;  // the spare pair runs too
   uint32_t epoch_ = 0;
-  uint32_t stream_seen_ = 0;   // of streamed_count_
+  uint32_t stream_seen_ = 0;  // of streamed_count_
+  uint32_t limiting_ = 0;     // of its state what the background reads
+  uint32_t stream_faulted_ = 0;
+  uint32_t limited_ticks_ = 0;
   uint32_t length_ticks_ = 0;  // of the active shaper, in a blend of the longer
   uint32_t drain_ticks_ = 0;   // until its line holds nothing but the standing position
   uint32_t blend_wait_ = 0;    // ticks of the old output still to come

@@ -23,6 +23,10 @@ Status AxisCore::begin_stream(const StreamConfig& config) {
   return kOk;
 }
 
+StreamState AxisCore::stream_state() const {
+  return StreamState{load(limiting_) != 0, load(stream_faulted_) != 0, load(limited_ticks_)};
+}
+
 void AxisCore::stream(Signal setpoint) {
   const uint32_t count = load(streamed_count_) + 1;
   streamed_[count & 1] = setpoint;
@@ -35,6 +39,7 @@ void AxisCore::start_stream() {
   limiter_.start(stream_limits_, stream_policy_, made_up_ticks_, outputs_[0], outputs_[0], outputs_[0]);
   limiter_.keep_between(soft_low_, soft_high_);
   stream_seen_ = stream_begin_count_;
+  store(stream_faulted_, 0);
   streaming_ = true;
   store(pending_move_, kNoMove);
 }
@@ -47,8 +52,12 @@ Signal AxisCore::follow_stream() {
   const uint32_t count = load(streamed_count_);
   const Signal output = count != stream_seen_ ? limiter_.tick(streamed_[count & 1]) : limiter_.tick();
   stream_seen_ = count;
+  store(limiting_, limiter_.limiting() ? 1 : 0);
+  store(stream_faulted_, limiter_.faulted() ? 1 : 0);
+  store(limited_ticks_, limiter_.limited_ticks());
   if (limiter_.stopped()) {
     streaming_ = false;
+    store(limiting_, 0);
     sampler_.rest_at(output);
   }
   return output;

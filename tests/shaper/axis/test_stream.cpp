@@ -60,7 +60,7 @@ TEST_F(Streaming, what_keeps_the_limits_is_followed_bit_for_bit) {
     TEST_ASSERT_EQUAL_INT64(master.state().setpoint, setpoint);
   }
   TEST_ASSERT_TRUE(axis.state().phase == AxisPhase::kStreaming);
-  TEST_ASSERT_EQUAL_UINT32(0, axis.state().limited_ticks);
+  TEST_ASSERT_EQUAL_UINT32(0, axis.stream_state().limited_ticks);
   TEST_ASSERT_OK(axis.halt(kLimits, nullptr));
   drain();
   TEST_ASSERT_EQUAL_INT64(signal_from_counts(1700000), axis.state().setpoint);
@@ -86,14 +86,14 @@ TEST_F(Streaming, what_breaks_the_limits_is_clamped_and_said) {
   MovingStreamCheck check(0, kLimits, kTick, 1);
   axis.stream(signal_from_counts(500000));  // half a unit in one tick
   check.next(axis.tick());
-  TEST_ASSERT_TRUE(axis.state().limiting);
+  TEST_ASSERT_TRUE(axis.stream_state().limiting);
   for (int tick = 0; tick < 1500; ++tick) {
     axis.stream(signal_from_counts(500000));
     check.next(axis.tick());
   }
   TEST_ASSERT_TRUE(check.within());
-  TEST_ASSERT_FALSE(axis.state().limiting);
-  TEST_ASSERT_AT_LEAST_INT64(300, axis.state().limited_ticks);
+  TEST_ASSERT_FALSE(axis.stream_state().limiting);
+  TEST_ASSERT_AT_LEAST_INT64(300, axis.stream_state().limited_ticks);
   TEST_ASSERT_EQUAL_INT64(signal_from_counts(500000), axis.state().setpoint);
 }
 
@@ -107,7 +107,7 @@ TEST_F(Streaming, where_it_is_to_fault_it_stops_within_the_limits_and_ends) {
     check.next(axis.tick());
   }
   TEST_ASSERT_TRUE(check.within());
-  TEST_ASSERT_TRUE(axis.state().stream_faulted);
+  TEST_ASSERT_TRUE(axis.stream_state().faulted);
   TEST_ASSERT_TRUE(axis.state().phase == AxisPhase::kAtRest);
   TEST_ASSERT_OK(axis.command(Move{5, ProfileKind::kSCurve, kLimits, 0.0, false}, nullptr));
   axis.tick();
@@ -154,7 +154,7 @@ TEST_F(Streaming, a_stream_stops_in_front_of_a_soft_limit) {
     TEST_ASSERT_AT_MOST_INT64(signal_from_counts(300000), setpoint);
   }
   TEST_ASSERT_TRUE(check.within());
-  TEST_ASSERT_TRUE(axis.state().limiting);
+  TEST_ASSERT_TRUE(axis.stream_state().limiting);
   TEST_ASSERT_EQUAL_INT64(signal_from_counts(300000), axis.state().setpoint);
 }
 
