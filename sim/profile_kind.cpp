@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/profile_kind.hpp"
 
+#include "shaper/axis/still_plan.hpp"
 #include "shaper/profile/matched.hpp"
 #include "sim/refusal.hpp"
 #include "sim/text.hpp"
@@ -13,23 +14,23 @@ struct NamedKind {
   ProfileKind kind;
 };
 
-constexpr NamedKind kKinds[] = {{"s-curve", ProfileKind::kSCurve}, {"trapezoid", ProfileKind::kTrapezoid},
-                                {"sin2", ProfileKind::kSin2},      {"poly5", ProfileKind::kPoly5},
-                                {"poly7", ProfileKind::kPoly7},    {"table", ProfileKind::kTable},
-                                {"matched", ProfileKind::kMatched}};
+constexpr NamedKind kKinds[] = {{"s-curve", ProfileKind::kSCurve},  {"trapezoid", ProfileKind::kTrapezoid},
+                                {"sin2", ProfileKind::kSin2},       {"poly5", ProfileKind::kPoly5},
+                                {"poly7", ProfileKind::kPoly7},     {"table", ProfileKind::kTable},
+                                {"matched", ProfileKind::kMatched}, {"still", ProfileKind::kMatched}};
 
 Refusal unknown(const std::string& text) {
   return bad_argument(
       "--kind", text,
-      "not a known kind of profile, accepted: s-curve trapezoid sin2 poly5 poly7 table:FILE matched:F:Z");
+      "not a known kind of profile, accepted: s-curve trapezoid sin2 poly5 poly7 table:FILE matched:F:Z still:F:Z");
 }
 
 ProfileDetail mode_of(const std::string& text) {
   const std::vector<std::string> cells = split(text, ':');
   if (cells.size() != 3)
-    throw bad_argument("--kind", text, "not a mode, matched:FREQUENCY:DAMPING (Hz, ratio) is accepted");
+    throw bad_argument("--kind", text, "not a mode, " + cells[0] + ":FREQUENCY:DAMPING (Hz, ratio) is accepted");
   return ProfileDetail{nullptr, parse_positive(cells[1], "--kind"), parse_within(cells[2], "--kind", 0.0, 0.99),
-                       plan_matched};
+                       cells[0] == "still" ? plan_still_mode : plan_matched};
 }
 
 }  // namespace
@@ -62,8 +63,9 @@ SpecifiedProfile parse_profile(const std::string& text) {
 std::string profile_text(const SpecifiedProfile& profile) {
   std::string text;
   for (const NamedKind& kind : kKinds) {
-    if (profile.kind == kind.kind) text = kind.name;
+    if (profile.kind == kind.kind && text.empty()) text = kind.name;
   }
+  if (profile.detail.planner == plan_still_mode) text = "still";
   if (profile.kind == ProfileKind::kTable) text += ":" + profile.file;
   if (profile.kind == ProfileKind::kMatched)
     text += ":" + shortest(profile.detail.frequency_hz) + ":" + shortest(profile.detail.damping_ratio);

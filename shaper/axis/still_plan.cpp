@@ -170,4 +170,10 @@ Status plan_still(double distance, const AxisLimits& limits, const Mode* modes, 
   return kOk;
 }
 
+Status plan_still_mode(double distance, const AxisLimits& limits, double tick_s, const ProfileDetail& detail,
+                       Plan& out) {
+  const Mode mode{detail.frequency_hz, detail.damping_ratio};
+  return plan_still(distance, limits, &mode, 1, tick_s, out);
+}
+
 }  // namespace stillpoint

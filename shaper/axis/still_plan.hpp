@@ -34,4 +34,9 @@ Status plan_still(double distance, const AxisLimits& limits, const Mode* modes, 
 
 constexpr int kStillStarts = 7;
 
+// The same as the planner of a kMatched move, for the one mode in its detail: an axis then runs it like any other
+// profile. It is still at its own duration only; slowed down or sped up to another it leaves some of the mode.
+Status plan_still_mode(double distance, const AxisLimits& limits, double tick_s, const ProfileDetail& detail,
+                       Plan& out);
+
 }  // namespace stillpoint

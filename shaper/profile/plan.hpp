@@ -26,7 +26,7 @@ struct ProfileDetail {
   const ProfileTable* table = nullptr;  // kTable: the shape; must outlive the move
   double frequency_hz = 0.0;            // kMatched: the mode, undamped
   double damping_ratio = 0.0;
-  Planner planner = nullptr;  // kMatched: plan_matched, so that an image which never asks for it has none of its code
+  Planner planner = nullptr;  // kMatched: plan_matched or another; an image that never names it has none of its code
 };
 
 // The others step in acceleration and use no jerk limit.

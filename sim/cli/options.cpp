@@ -105,10 +105,10 @@ AxisLimits limits_of(const LimitOptions& options) {
 void add_move_options(CLI::App& app, MoveOptions& options) {
   add_value(app, "--distance", options.distance, "D", "signed distance to move [unit]");
   add_limits(app, options);
-  add_value(
-      app, "--kind", options.kind, "KIND",
-      "s-curve, trapezoid, sin2, poly5, poly7, table:FILE (of `stillpoint table`) or matched:F:Z (an s-curve that "
-      "leaves the mode of F Hz and damping ratio Z still) (default: s-curve if there is a jerk limit)");
+  add_value(app, "--kind", options.kind, "KIND",
+            "s-curve, trapezoid, sin2, poly5, poly7, table:FILE (of `stillpoint table`) matched:F:Z or still:F:Z (the "
+            "mode of F Hz and damping ratio Z is left still: by segments fitted to it, or as fast as can be found) "
+            "(default: s-curve if there is a jerk limit)");
   add_value(app, "--duration", options.duration, "T", "wanted duration [s] (default: the least the limits allow)");
   add_tick(app, options.tick);
 }

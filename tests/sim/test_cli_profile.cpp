@@ -97,7 +97,7 @@ TEST_HOST(a_matched_move_alone_leaves_the_arm_still) {
 }
 
 TEST_HOST(kinds_that_are_none_are_refused) {
-  const std::string accepted = "accepted: s-curve trapezoid sin2 poly5 poly7 table:FILE matched:F:Z";
+  const std::string accepted = "accepted: s-curve trapezoid sin2 poly5 poly7 table:FILE matched:F:Z still:F:Z";
   check_refused(2, "--kind: poly6: not a known kind of profile, " + accepted, "profile --kind poly6 " + kMove);
   check_refused(2, "--kind: sin2:1: not a known kind of profile, " + accepted, "profile --kind sin2:1 " + kMove);
   check_refused(2, "--kind: matched:11: not a mode, matched:FREQUENCY:DAMPING", "profile --kind matched:11 " + kMove);

@@ -5,6 +5,7 @@
 #include <complex>
 #include <vector>
 
+#include "shaper/axis/axis.hpp"
 #include "shaper/profile/track.hpp"
 #include "tests/support/random_task.hpp"
 #include "tests/support/stream_check.hpp"
@@ -107,6 +108,21 @@ TEST(random_moves_keep_their_limits_and_leave_the_mode_still) {
     if (limits.deceleration_jerk == 0.0) TEST_ASSERT_AT_LEAST_INT64(plain.duration_ticks, plan.duration_ticks);
   }
   TEST_ASSERT_AT_LEAST_INT64(kMoves * 95 / 100, planned);
+}
+
+TEST(an_axis_runs_it_like_any_other_profile) {
+  const AxisLimits limits{2e6, 20e6, 20e6, 400e6};
+  const Mode mode{11.0, 0.11};
+  Plan plan{};
+  TEST_ASSERT_OK(plan_still(500000, limits, &mode, 1, kTick, plan));
+  const std::vector<Signal> planned = sampled(plan, 500000);
+  Axis<16> axis = {};
+  TEST_ASSERT_OK(axis.configure(AxisConfig{kTick, limits, 40e6, 2e9}));
+  Move move{500000, ProfileKind::kMatched, limits, 0.0, false};
+  TEST_ASSERT_REFUSED(kNotAvailable, kKind, axis.command(move, nullptr));
+  move.detail = ProfileDetail{nullptr, mode.frequency_hz, mode.damping_ratio, plan_still_mode};
+  TEST_ASSERT_OK(axis.command(move, nullptr));
+  for (const Signal setpoint : planned) TEST_ASSERT_EQUAL_INT64(setpoint, axis.tick());
 }
 
 TEST(two_and_three_modes_are_left_still_at_once) {
