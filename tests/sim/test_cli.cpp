@@ -74,10 +74,10 @@ TEST_HOST(bad_arguments_end_with_2_and_name_what_is_accepted) {
   check_refused(2, "--distance: 1e-9: less than half a count", "profile --distance 1e-9 --velocity 1 --acceleration 1");
   check_refused(2, "--velocity: nan: not a finite number", "profile --distance 1 --velocity nan --acceleration 1");
   check_refused(2, "--acceleration: -2: must be above zero", "profile --distance 1 --velocity 1 --acceleration -2");
-  check_refused(
-      2,
-      "--kind: sine: not a known kind of profile, accepted: s-curve trapezoid sin2 poly5 poly7 table:FILE matched:F:Z still:F:Z",
-      "profile --kind sine " + kMove);
+  check_refused(2,
+                "--kind: sine: not a known kind of profile, accepted: s-curve trapezoid sin2 poly5 poly7 table:FILE "
+                "matched:F:Z still:F:Z",
+                "profile --kind sine " + kMove);
   check_refused(2, "--jerk: missing: ", "profile --kind s-curve --distance 1 --velocity 1 --acceleration 1");
   check_refused(2, "option: --start-velocity: not known to `move`", "move --start-velocity 1 " + kArm + kMove);
   check_refused(2, "--arm: missing: ", "move --shaper zv:11:0.1 " + kMove);
