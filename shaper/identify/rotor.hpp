@@ -7,12 +7,12 @@
 
 namespace stillpoint {
 
-// exp(rate * n) for n = first, first + 1, ...: by recurrence, taken anew every kExact steps, so that rounding stays at a
-// few units in the last place at a fifth of the cost. Background.
+// exp(rate * n) for n = first, first + 1, ...: by recurrence, taken anew every kExact steps, so that rounding stays at
+// a few units in the last place at a fifth of the cost. Background.
 class Rotor {
  public:
   Rotor() = default;
-  explicit Rotor(Complex rate, size_t first = 0) : rate_(rate), step_(math::exp(rate)), n_(first) { renew(); }
+  explicit Rotor(Complex rate, size_t first = 0);
 
   Complex value() const { return value_; }
   void advance() {
@@ -27,7 +27,7 @@ class Rotor {
  private:
   static constexpr size_t kExact = 16;
 
-  void renew() { value_ = math::exp(static_cast<double>(n_) * rate_); }
+  void renew();
 
   Complex rate_{0.0, 0.0};
   Complex step_{1.0, 0.0};
