@@ -190,3 +190,26 @@ TEST_HOST(friction_is_not_viscous) {
     TEST_ASSERT_AT_LEAST_DOUBLE(answer.mode[0].damping_early, answer.mode[0].damping_late);
   }
 }
+
+// Least squares in coloured noise errs by the noise where the mode is, and says so: noise of low frequencies.
+TEST_HOST(deviations_are_true_in_coloured_noise) {
+  Random random(57);
+  int records = 0, inside_frequency = 0, inside_damping = 0;
+  for (int i = 0; i < 300; ++i) {
+    const double hz = random.between(5.0, 40.0), zeta = i % 2 == 0 ? 0.005 : 0.05;
+    std::vector<float> samples = sinusoid(random, {hz, zeta}, 2.0, 0.0);
+    const std::vector<float> noise = coloured(random, samples.size(), 0.7, 0.3);
+    for (size_t n = 0; n < samples.size(); ++n) samples[n] += 0.03F * noise[n];
+    const Identification answer = identified(samples);
+    if (answer.finding != Finding::kFound) continue;
+    ++records;
+    inside_frequency += std::fabs(answer.mode[0].frequency_hz - hz) < answer.mode[0].frequency_std_hz ? 1 : 0;
+    inside_damping += std::fabs(answer.mode[0].damping_ratio - zeta) < answer.mode[0].damping_std ? 1 : 0;
+  }
+  TEST_INFO(records, records);
+  TEST_ASSERT_AT_LEAST_INT64(285, records);
+  // Four standard deviations of the count about 68 %.
+  const double spread = 4.0 * std::sqrt(0.217 * records);
+  TEST_ASSERT_DOUBLE_WITHIN(spread, 0.683 * records, inside_frequency);
+  TEST_ASSERT_DOUBLE_WITHIN(spread, 0.683 * records, inside_damping);
+}
