@@ -136,17 +136,19 @@ bool DecayFit::refine(const Record& record, DecayModel& model, const DecayModel*
   const double freedom = static_cast<double>(record.count - (4 * model.count + 2));
   solve_linear(record, model, others, meanwhile);
   double energy = fitted_energy();
+  double left = residual_energy();
   double damping = 1e-3;
   Step step;
   step.take(*this, model);
   for (int passes = 1; passes < kMostPasses; ++passes) {
-    if (step.gain() <= kDone * residual_energy() / freedom || step.gain() <= kExact * energy) return true;
+    if (step.gain() <= kDone * left / freedom || step.gain() <= kExact * energy) return true;
     double change[kParameters];
     step.solve(damping, change);
     DecayModel trial = moved(model, change, record.count);
     solve_linear(record, trial, others, meanwhile);
     if (fitted_energy() < energy) {
       energy = fitted_energy();
+      left = residual_energy();
       model = trial;
       step.take(*this, model);
       damping *= 0.1;

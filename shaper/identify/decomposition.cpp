@@ -52,7 +52,7 @@ ComponentDoubt doubt_of(const Spectrum& left, const DecayFit& fit, const DecayMo
   // The fit has taken two of the 2 `bins` degrees for amplitudes and two for decay and angle.
   const double taken = bins > 4 ? static_cast<double>(bins) / static_cast<double>(bins - 2) : 2.0;
   const double variance = structured ? under : taken * beside;
-  const double own = energy_of(component, model.count == 0 ? 1 : left.count);
+  const double own = energy_of(component, left.count);
   const ComponentCovariance covariance = fit.covariance(model, k);
   ComponentDoubt doubt{};
   doubt.decay = variance * covariance.decay;
@@ -150,7 +150,7 @@ class Builder {
   const Meanwhile& meanwhile_;
   size_t size_ = 0;
   Decomposition result_{};
-  Refused refused_;
+  Refused refused_{};
 };
 
 }  // namespace

@@ -6,7 +6,7 @@ namespace stillpoint {
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
-constexpr double kLeastPeriods = 2.0;
+constexpr double kLeastPeriods = 1.5;
 constexpr size_t kLeastSamples = 24;
 
 // The same model, told from the part of the record that begins at `first` (of 1) and is `length` long.

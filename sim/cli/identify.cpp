@@ -214,7 +214,7 @@ const char* why(Finding finding) {
     case Finding::kNoMode: return "nothing in it rings and decays, a record of ringing is accepted";
     case Finding::kNoisy: return "what may ring in it cannot be told from its noise, a stronger excitation is accepted";
     case Finding::kSaturated: return "it is cut off at its extremes, a record within the sensor's range is accepted";
-    default: return "it is too short, at least three periods of the slowest mode and 32 samples are accepted";
+    default: return "it is too short, at least three periods and 32 samples are accepted";
   }
 }
 
