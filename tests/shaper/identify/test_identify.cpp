@@ -88,6 +88,15 @@ TEST(the_answer_scales) {
   TEST_ASSERT_DOUBLE_RELATIVE(1e-12, 1048576.0 * here.mode[0].amplitude, there.mode[0].amplitude);
 }
 
+// Of every compiler and on the chip. They change only with the method itself; say why in the commit.
+TEST(the_answer_has_the_same_bits_everywhere) {
+  ring({11.0, 0.05, 1.0}, 0.05, kSamples);
+  const IdentifiedMode mode = identified(kSamples).mode[0];
+  TEST_ASSERT_EQUAL_UINT64(UINT64_C(0x40260571310FFF50), math::bits_of(mode.frequency_hz));
+  TEST_ASSERT_EQUAL_UINT64(UINT64_C(0x3FA9B7F1F5CD0894), math::bits_of(mode.damping_ratio));
+  TEST_ASSERT_EQUAL_UINT64(UINT64_C(0x3F531C61A3451A48), math::bits_of(mode.damping_std));
+}
+
 TEST(what_does_not_ring_is_no_mode) {
   for (float& sample : samples) sample = 3.3F;
   TEST_ASSERT_EQUAL_ENUM(Finding::kNoMode, identified(kSamples).finding);
