@@ -53,9 +53,9 @@ double rounding_of(const Record& record) {
   return math::square(0x1p-24 * largest);
 }
 
-bool is_refused(const double* refused, size_t count, double angle) {
-  for (size_t i = 0; i < count; ++i) {
-    if (math::abs(angle - refused[i]) < 3.0 * kPi) return true;
+bool is_refused(const Refused& refused, double angle) {
+  for (size_t i = 0; i < refused.count; ++i) {
+    if (math::abs(angle - refused.angle[i]) < 3.0 * kPi) return true;
   }
   return false;
 }
@@ -110,11 +110,11 @@ double NoiseFloor::at(size_t bin) const {
   return math::exp(level[bands - 1]);
 }
 
-Candidate find_candidate(const Record& record, const DecayModel& model, const double* refused, size_t refused_count,
-                         double* buffer, size_t size, const Meanwhile& meanwhile) {
-  Candidate best{0.0, 0.0, 0.0};
+Candidates find_candidates(const Record& record, const DecayModel& model, const Refused& refused, double* buffer,
+                           size_t size, const Meanwhile& meanwhile) {
+  Candidates best{};
   NoiseFloor floor{};
-  double most = 0.0;
+  double largest = 0.0, largest_standing = 0.0;
   const double to_angle = 2.0 * kPi * static_cast<double>(record.count) / static_cast<double>(size);
   for (const double decay : kDecays) {
     double weight = 0.0;
@@ -127,14 +127,18 @@ Candidate find_candidate(const Record& record, const DecayModel& model, const do
       if (angle < kPi || decay > 0.5 * angle) continue;
       if (buffer[k] < buffer[k - 1] || buffer[k] < buffer[k + 1]) continue;
       const double power = buffer[k] / weight;
-      if (power <= most || is_taken(model, angle) || is_refused(refused, refused_count, angle)) continue;
-      const double score = power / floor.at(k);
-      if (score < kWorthTrying) {
-        if (most == 0.0 && score > best.score) best.score = score;
-        continue;
+      if (power <= largest_standing || is_taken(model, angle) || is_refused(refused, angle)) continue;
+      const Candidate here{decay, to_angle * interpolated_peak(buffer, size, k), power / floor.at(k)};
+      if (power > largest) {
+        largest = power;
+        best.largest = here;
       }
-      most = power;
-      best = Candidate{decay, to_angle * interpolated_peak(buffer, size, k), score};
+      if (here.score >= kWorthTrying) {
+        largest_standing = power;
+        best.standing = here;
+      } else if (largest_standing == 0.0 && here.score > best.standing.score) {
+        best.standing = here;
+      }
     }
     meanwhile();
   }

@@ -33,13 +33,30 @@ struct Candidate {
 // A candidate that noise is not: one bin of 8,000 of white noise has this score.
 constexpr double kWorthTrying = 9.0;
 
-// The damped sinusoid that holds most of what `model` leaves of the record and stands out by kWorthTrying, further
-// than half of a mode's width from those it has and than a bin from the angles refused before. Where none does: the
-// best score there is, below kWorthTrying. Method: the likelihood of one damped sinusoid in noise, over a grid of
-// decays, is the spectrum of the record under that decay as its window. `buffer`: a power of two of doubles, no
-// less than the record. Cost: nine transforms, with a call of `meanwhile` after each.
-Candidate find_candidate(const Record& record, const DecayModel& model, const double* refused, size_t refused_count,
-                         double* buffer, size_t size, const Meanwhile& meanwhile);
+struct Candidates {
+  Candidate largest;   // holds most of what is left, whatever its score
+  Candidate standing;  // holds most of it among those with a score of kWorthTrying; the best score where none has
+};
+
+// Angles that have been tried and refused.
+struct Refused {
+  static constexpr size_t kMost = 4;
+
+  size_t count;
+  double angle[kMost];
+
+  void add(double tried) {
+    if (count < kMost) angle[count++] = tried;
+  }
+};
+
+// Damped sinusoids in what `model` leaves of the record, further than half of a mode's width from those it has and than
+// a bin from those refused. The largest and the one that stands out differ where the noise is coloured, and where the
+// skirts of modes that are not in the model yet pass for noise. Method: the likelihood of one damped sinusoid in noise,
+// over a grid of decays, is the spectrum of the record under that decay as its window. `buffer`: a power of two of
+// doubles, no less than the record. Cost: nine transforms, with a call of `meanwhile` after each.
+Candidates find_candidates(const Record& record, const DecayModel& model, const Refused& refused, double* buffer,
+                           size_t size, const Meanwhile& meanwhile);
 
 // What `model` leaves of the record, as a power spectrum without a window, in buffer[0 .. size / 2].
 void residual_spectrum(const Record& record, const DecayModel& model, double* buffer, size_t size);

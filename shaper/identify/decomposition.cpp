@@ -6,7 +6,7 @@ namespace stillpoint {
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
-constexpr size_t kMostRefused = 3;
+constexpr int kMostAttempts = 8;
 
 // Bins about a component: the noise beside it, and what lies under its own peak.
 constexpr double kBeside = 16.0;
@@ -80,11 +80,6 @@ bool are_all_apart(const DecayModel& model) {
   return true;
 }
 
-struct Refused {
-  size_t count = 0;
-  double angle[kMostRefused];
-};
-
 class Builder {
  public:
   Builder(const Record& record, IdentifyScratch& scratch, const Meanwhile& meanwhile)
@@ -94,16 +89,15 @@ class Builder {
 
   Decomposition build() {
     scratch_.fit.solve_linear(record_, result_.model, nullptr, meanwhile_);
-    while (result_.model.count < kMostComponents && refused_.count < kMostRefused && has_room()) {
-      const Candidate candidate =
-          find_candidate(record_, result_.model, refused_.angle, refused_.count, scratch_.buffer, size_, meanwhile_);
-      if (candidate.score < kWorthTrying) {
-        if (candidate.score > result_.best_score) result_.best_score = candidate.score;
+    while (result_.model.count < kMostComponents && has_room()) {
+      const Candidates found = find_candidates(record_, result_.model, refused_, scratch_.buffer, size_, meanwhile_);
+      if (found.standing.score < kWorthTrying) {
+        if (found.standing.score > result_.best_score) result_.best_score = found.standing.score;
         break;
       }
-      if (!try_adding(candidate)) {
-        if (candidate.score > result_.best_score) result_.best_score = candidate.score;
-        refused_.angle[refused_.count++] = candidate.angle;
+      if (!try_adding(found.largest) && !try_adding(found.standing)) {
+        if (found.standing.score > result_.best_score) result_.best_score = found.standing.score;
+        if (attempts_ >= kMostAttempts || refused_.count >= Refused::kMost) break;
       }
     }
     scratch_.fit.solve_linear(record_, result_.model, nullptr, meanwhile_);
@@ -122,14 +116,26 @@ class Builder {
     for (size_t k = 0; k < model.count; ++k) doubt[k] = doubt_of(left, scratch_.fit, model, k);
   }
 
+  // What was refused before may fit once another is in.
   bool try_adding(const Candidate& candidate) {
+    if (attempts_ >= kMostAttempts || is_tried(candidate.angle)) return false;
+    ++attempts_;
     DecayModel trial = result_.model;
     trial.component[trial.count++] = Component{candidate.decay, candidate.angle, 0.0, 0.0};
     if (!scratch_.fit.refine(record_, trial, nullptr, meanwhile_) || !are_all_apart(trial) || !stands_out(trial)) {
+      refused_.add(candidate.angle);
       return false;
     }
     result_.model = trial;
+    refused_ = Refused{};
     return true;
+  }
+
+  bool is_tried(double angle) const {
+    for (size_t i = 0; i < refused_.count; ++i) {
+      if (refused_.angle[i] == angle) return true;
+    }
+    return false;
   }
 
   // Every component against the noise under the peaks: the modes that are not in the model yet do not count.
@@ -150,6 +156,7 @@ class Builder {
   const Meanwhile& meanwhile_;
   size_t size_ = 0;
   Decomposition result_{};
+  int attempts_ = 0;
   Refused refused_{};
 };
 
