@@ -135,7 +135,7 @@ constexpr Parameter kParameters[kParameterCount] = {
     under(R::kMaximumAcceleration,
           limit(R::kQuickStopDeceleration, 0x6085, kStopDeceleration, "quick-stop deceleration", "counts/s^2")),
     profile(R::kProfileJerk, 0x60A4, 600000, R::kMaximumJerk, "jerk", "1000 counts/s^3"),
-    value(R::kProfileType, T::kI16, 0x6086, 0, 3, 3, "profile type", "", one_of(0, 3)),
+    value(R::kProfileType, T::kI16, 0x6086, 0, 3, 3, "profile type", "", one_of(0, 1, 3)),
     // Not watched yet: anything but off would promise what nobody keeps.
     locked(value(R::kFollowingErrorWindow, T::kU32, 0x6065, 0, 0, 0, "following-error window", "counts")),
     locked(value(R::kFollowingErrorTimeMs, T::kU16, 0x6066, 0, kU16Max, 10, "following-error time", "ms")),

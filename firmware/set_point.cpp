@@ -7,7 +7,16 @@ namespace stillpoint::firmware {
 namespace {
 
 constexpr int32_t kTrapezoidType = 0;
+constexpr int32_t kSin2Type = 1;
 constexpr double kMsPerSecond = 1000.0;
+
+ProfileKind kind_of(int32_t type) {
+  switch (type) {
+    case kTrapezoidType: return ProfileKind::kTrapezoid;
+    case kSin2Type: return ProfileKind::kSin2;
+    default: return ProfileKind::kSCurve;
+  }
+}
 
 Register culprit_of(const Status& status) {
   if (status.error == Error::kLimitExceeded) return Register::kMoveDurationMs;
@@ -56,8 +65,7 @@ Status make_move(const Parameters& parameters, bool relative, Signal from, Move&
                   above ? kMaxPositionCounts : kMinPositionCounts);
   }
   out.target_counts = static_cast<int32_t>(target);
-  const bool trapezoid = parameters.get_signed(Register::kProfileType) == kTrapezoidType;
-  out.kind = trapezoid ? ProfileKind::kTrapezoid : ProfileKind::kSCurve;
+  out.kind = kind_of(parameters.get_signed(Register::kProfileType));
   out.limits = profile_limits(parameters);
   out.duration_s = parameters.get(Register::kMoveDurationMs) / kMsPerSecond;
   out.zero_delay = parameters.get(Register::kZeroDelay) != 0;

@@ -29,28 +29,76 @@ double slowest_hz(const ArmModes& arm) {
   return slowest;
 }
 
-// Largest differences of the setpoints along the move, LSB.
+// Largest differences of the setpoints, LSB: along the move; from a start in motion, while the speed grows or falls.
 struct Extremes {
   long double velocity;
   long double acceleration;
   long double deceleration;
+  long double turning;  // of either sign, where the velocity turns round
   long double jerk;
 };
 
+struct Before {
+  long double velocity;
+  long double acceleration;
+};
+
+// As if the acceleration of the start had always been there.
+Before before_start(const MoveTask& task) {
+  const long double dt = static_cast<long double>(task.tick_s);
+  const long double lsb = static_cast<long double>(kSignalPerCount);
+  const long double acceleration = static_cast<long double>(task.start.acceleration) * dt * dt * lsb;
+  return {static_cast<long double>(task.start.velocity) * dt * lsb - acceleration / 2.0L, acceleration};
+}
+
+void raise(long double& peak, long double value) { peak = std::max(peak, value); }
+
+// The limits that a move keeps that begins beyond them: its start's own, and the velocity that letting go of its
+// acceleration leads to.
+AxisLimits kept_limits(const MoveTask& task) {
+  AxisLimits limits = task.limits;
+  if (task.from_rest()) return limits;
+  const double v = task.start.velocity;
+  const double a = task.start.acceleration;
+  const double let_go = v + a * std::abs(a) / (2.0 * limits.jerk);
+  limits.velocity = std::max({limits.velocity, std::abs(v), std::abs(let_go)});
+  const double strongest = std::max(limits.acceleration, limits.deceleration);
+  if (std::abs(a) > strongest) limits.acceleration = limits.deceleration = std::abs(a);
+  double& own = a * v < 0.0 ? limits.deceleration : limits.acceleration;
+  own = std::max(own, std::abs(a));
+  return limits;
+}
+
+// Two steps keep their sign for sure between them where neither is less than an acceleration may make of it.
+void raise_acceleration(Extremes& extremes, long double before, long double step, long double larger_limit) {
+  const long double change = step - before;
+  const bool turns = (step > 0.0L) != (before > 0.0L) || std::min(std::abs(step), std::abs(before)) < larger_limit;
+  if (turns) return raise(extremes.turning, std::abs(change));
+  raise((change > 0.0L) == (step > 0.0L) ? extremes.acceleration : extremes.deceleration, std::abs(change));
+}
+
 // Long double holds a Signal exactly, and, unlike int64_t, the difference of any two.
-Extremes extremes_of(const std::vector<Signal>& setpoints, long double direction) {
+Extremes extremes_of(const std::vector<Signal>& setpoints, const MoveTask& task, const AxisLimits& limits) {
   Extremes extremes{};
+  const double larger = std::max(limits.acceleration, limits.deceleration) * task.tick_s * task.tick_s;
+  const long double larger_limit = static_cast<long double>(larger) * static_cast<long double>(kSignalPerCount);
+  const long double direction = task.distance_counts < 0 ? -1.0L : 1.0L;
+  const Before start = before_start(task);
   long double position = static_cast<long double>(setpoints[0]);
-  long double velocity = 0.0L;
-  long double acceleration = 0.0L;
+  long double velocity = direction * start.velocity;
+  long double acceleration = direction * start.acceleration;
   for (size_t i = 1; i < setpoints.size() + 3; ++i) {
     const long double next = static_cast<long double>(setpoints[std::min(i, setpoints.size() - 1)]);
     const long double step = direction * (next - position);
     const long double change = step - velocity;
-    extremes.velocity = std::max(extremes.velocity, std::abs(step));
-    extremes.acceleration = std::max(extremes.acceleration, change);
-    extremes.deceleration = std::max(extremes.deceleration, -change);
-    extremes.jerk = std::max(extremes.jerk, std::abs(change - acceleration));
+    raise(extremes.velocity, std::abs(step));
+    if (task.from_rest()) {
+      raise(extremes.acceleration, change);
+      raise(extremes.deceleration, -change);
+    } else {
+      raise_acceleration(extremes, velocity, step, larger_limit);
+    }
+    raise(extremes.jerk, std::abs(change - acceleration));
     position = next;
     velocity = step;
     acceleration = change;
@@ -75,7 +123,8 @@ double free_peak(Arm arm, const ArmModes& modes, double step_s) {
 }  // namespace
 
 StreamFigures evaluate_stream(const std::vector<Signal>& setpoints, const MoveTask& task, uint32_t stage_count) {
-  const Extremes extremes = extremes_of(setpoints, task.distance_counts < 0 ? -1.0L : 1.0L);
+  const AxisLimits limits = kept_limits(task);
+  const Extremes extremes = extremes_of(setpoints, task, limits);
   const long double dt = static_cast<long double>(task.tick_s);
   const long double lsb = 1.0L / static_cast<long double>(kSignalPerCount);  // counts
   const long double slack = static_cast<long double>(stage_count + 1);
@@ -89,12 +138,13 @@ StreamFigures evaluate_stream(const std::vector<Signal>& setpoints, const MoveTa
   };
   StreamFigures figures{};
   figures.peak_velocity = per_second(extremes.velocity, 1);
-  figures.peak_acceleration = per_second(std::max(extremes.acceleration, extremes.deceleration), 2);
+  figures.peak_acceleration = per_second(std::max({extremes.acceleration, extremes.deceleration, extremes.turning}), 2);
   figures.peak_jerk = per_second(extremes.jerk, 3);
-  figures.within_limits = keeps(extremes.velocity, task.limits.velocity, 1) &&
-                          keeps(extremes.acceleration, task.limits.acceleration, 2) &&
-                          keeps(extremes.deceleration, task.limits.deceleration, 2) &&
-                          (task.kind == ProfileKind::kTrapezoid || keeps(extremes.jerk, task.limits.jerk, 3));
+  figures.within_limits = keeps(extremes.velocity, limits.velocity, 1) &&
+                          keeps(extremes.acceleration, limits.acceleration, 2) &&
+                          keeps(extremes.deceleration, limits.deceleration, 2) &&
+                          keeps(extremes.turning, std::max(limits.acceleration, limits.deceleration), 2) &&
+                          (!task.profile.jerk_limited() || keeps(extremes.jerk, limits.larger_jerk(), 3));
   return figures;
 }
 

@@ -11,8 +11,9 @@
 namespace stillpoint::sim {
 
 // Largest magnitudes of the differences of the setpoints, and whether they keep the limits within the allowance for
-// fixed point behind m stages: (m + 1) times 1, 2, 4 LSB on the first, second, third difference. The trapezoid has no
-// jerk limit.
+// fixed point behind m stages: (m + 1) times 1, 2, 4 LSB on the first, second, third difference. Kinds that step in
+// acceleration have no jerk limit. A move that begins in motion is taken to have come there at its start's
+// acceleration; it counts as accelerating while its speed grows, and what its start is beyond a limit is allowed.
 struct StreamFigures {
   double peak_velocity;      // unit/s
   double peak_acceleration;  // unit/s^2

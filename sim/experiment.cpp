@@ -5,6 +5,8 @@
 #include <memory>
 
 #include "shaper/axis/axis.hpp"
+#include "shaper/axis/still_plan.hpp"
+#include "shaper/profile/track.hpp"
 #include "sim/refusal.hpp"
 #include "sim/text.hpp"
 
@@ -21,6 +23,12 @@ AxisConfig config_of(const MoveTask& task) {
   return AxisConfig{task.tick_s, task.limits, per_tick * per_tick, per_tick * per_tick * per_tick};
 }
 
+void check_length(uint32_t ticks, double tick_s) {
+  if (ticks <= kMostRecordedTicks) return;
+  throw bad_argument("duration", shortest(ticks * tick_s),
+                     "longer than is recorded, at most " + shortest(kMostRecordedTicks * tick_s) + " s is accepted");
+}
+
 }  // namespace
 
 Recording run_axis(const MoveTask& task, const ShaperDesign& design, const OnProgress& on_progress) {
@@ -30,14 +38,11 @@ Recording run_axis(const MoveTask& task, const ShaperDesign& design, const OnPro
   require(axis->set_shaper(design));
   static_cast<void>(axis->tick());
   Recording recording{};
-  const Move move{task.distance_counts, task.kind, task.limits, task.duration_s, task.zero_delay};
+  const Move move{task.distance_counts, task.profile.kind, task.limits,
+                  task.duration_s,      task.zero_delay,   task.profile.detail};
   require(axis->command(move, &recording.report), task.counts_per_unit);
   const uint32_t total = recording.report.total_ticks;
-  if (total > kMostRecordedTicks) {
-    throw bad_argument(
-        "duration", shortest(total * task.tick_s),
-        "longer than is recorded, at most " + shortest(kMostRecordedTicks * task.tick_s) + " s is accepted");
-  }
+  check_length(total, task.tick_s);
   recording.setpoints.reserve(total + 2U);
   recording.setpoints.push_back(0);
   do {
@@ -45,6 +50,50 @@ Recording run_axis(const MoveTask& task, const ShaperDesign& design, const OnPro
     const size_t ticks = recording.setpoints.size();
     if (on_progress && ticks % kTicksBetweenReports == 0) on_progress(static_cast<double>(ticks) / total);
   } while (axis->state().phase != AxisPhase::kAtRest || axis->pending());
+  return recording;
+}
+
+Plan plan_of(const MoveTask& task, uint32_t duration_ticks) {
+  Plan plan{};
+  if (!task.from_rest()) {
+    require(plan_from(task.start, task.distance_counts, task.limits, task.tick_s, plan), task.counts_per_unit);
+    return plan;
+  }
+  require(
+      plan_rest_to_rest(task.distance_counts, task.limits, task.profile.kind, task.tick_s, plan, task.profile.detail),
+      task.counts_per_unit);
+  if (plan.duration_ticks != 0 && duration_ticks != 0) require(stretch(plan, duration_ticks), task.counts_per_unit);
+  return plan;
+}
+
+Recording run_from_motion(const MoveTask& task) {
+  const Plan plan = plan_of(task);
+  check_length(plan.duration_ticks, task.tick_s);
+  Track track{};
+  Track::make(plan, 0, signal_from_counts(task.distance_counts), track);
+  Sampler sampler;
+  sampler.begin(track);
+  Recording recording{{plan.duration_ticks, plan.duration_ticks, plan.optimum_ticks, true}, {0}};
+  for (uint32_t tick = 0; tick < plan.duration_ticks; ++tick) recording.setpoints.push_back(sampler.tick());
+  return recording;
+}
+
+Recording run_still(const MoveTask& task, const std::vector<Mode>& modes) {
+  Plan plan{};
+  require(plan_still(task.distance_counts, task.limits, modes.data(), modes.size(), task.tick_s, plan),
+          task.counts_per_unit);
+  check_length(plan.duration_ticks, task.tick_s);
+  Track track{};
+  Track::make(plan, 0, signal_from_counts(task.distance_counts), track);
+  Recording recording{};
+  recording.report.profile_ticks = plan.duration_ticks;
+  recording.report.total_ticks = plan.duration_ticks;
+  recording.report.optimum_ticks = plan.optimum_ticks;
+  recording.report.peaks = peaks_of(plan, task.tick_s);
+  recording.setpoints.push_back(0);
+  Sampler sampler;
+  sampler.begin(track);
+  for (uint32_t i = 0; i < plan.duration_ticks; ++i) recording.setpoints.push_back(sampler.tick());
   return recording;
 }
 

@@ -17,4 +17,16 @@ Status AxisConfig::validate() const {
   return StopLimits::make(quick_stop_deceleration, quick_stop_jerk, tick_s, unused);
 }
 
+const char* text(MoveTiming timing) {
+  switch (timing) {
+    case MoveTiming::kPlain: return "plain";
+    case MoveTiming::kSlowed: return "slowed";
+    case MoveTiming::kWithin: return "within";
+    case MoveTiming::kSpedUp: return "sped-up";
+    case MoveTiming::kScaled: return "scaled";
+    case MoveTiming::kRaised: return "raised";
+  }
+  return "";
+}
+
 }  // namespace stillpoint

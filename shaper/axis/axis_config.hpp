@@ -8,6 +8,7 @@
 #include "shaper/base/status.hpp"
 #include "shaper/profile/limits.hpp"
 #include "shaper/profile/plan.hpp"
+#include "shaper/profile/stream_limiter.hpp"
 
 namespace stillpoint {
 
@@ -38,9 +39,25 @@ struct Move {
   ProfileKind kind;
   AxisLimits limits;  // counts/s^n, at most the axis's maximum; promises about what leaves the shaper
   double duration_s;  // 0: the least time. Otherwise at least that; a multiple of the tick (rounded to the nearest)
-  bool zero_delay;  // the *shaped* move ends within duration_s (Li 2017); with duration_s 0: the least the limits allow
+  bool zero_delay;    // the *shaped* move ends within duration_s (Li 2017); with duration_s 0: in the least time
+  ProfileDetail detail = {};                // for the kinds that need it
   Approach approach = Approach::kShortest;  // of a rotary axis; a linear one ignores it
+
+  bool jerk_limited() const { return limits_jerk(kind, detail); }
 };
+
+// How a move came to its duration. From kWithin on: so that the *shaped* move is over in time.
+enum class MoveTiming : uint8_t {
+  kPlain,   // the duration wanted, or the least within the limits, and the shaper's length more
+  kSlowed,  // the same, slowed down for a shaper that raises peaks
+  kWithin,  // the profile takes the shaper's length less, and keeps the limits by itself
+  kSpedUp,  // Li 2017: the plain profile, faster than its limits by as much as the shaper takes off its peaks
+  kScaled,  // the same without a wanted duration: until the shaped stream meets its most binding limit
+  kRaised,  // planned for higher limits, each by its own factor; see raised_plan.hpp
+};
+
+// Words for people.
+const char* text(MoveTiming timing);
 
 // What a move that was accepted will do. In flight the ticks count from where it takes over.
 struct MoveReport {
@@ -48,9 +65,21 @@ struct MoveReport {
   uint32_t total_ticks;    // until the shaped setpoint does
   double optimum_ticks;    // of the continuous optimum, unshaped
   bool zero_delay_met;     // total_ticks is no more than the unshaped move of the same duration takes
+  MoveTiming timing = MoveTiming::kPlain;
+  Quantity binding = Quantity::kNone;  // the limit that kept it from being shorter, where it was looked for
+  // Of the shaped stream where it was run (zero delay up to kLongestSearchTicks, negative gains), else of the profile,
+  // which no mean of its past exceeds. counts/s^n.
+  Peaks peaks = {};
 };
 
-enum class AxisPhase : uint8_t { kAtRest, kMoving, kDraining, kStopping };
+// Setpoints that come from outside, one a tick. See StreamLimiter.
+struct StreamConfig {
+  AxisLimits limits;       // counts/s^n, at most the axis's maximum
+  StreamPolicy policy;     // what happens to a setpoint that would break them
+  uint32_t made_up_ticks;  // in a row without a setpoint before the stream counts as standing
+};
+
+enum class AxisPhase : uint8_t { kAtRest, kMoving, kDraining, kStopping, kStreaming };
 
 // A snapshot that belongs to one tick.
 struct AxisState {
@@ -60,6 +89,13 @@ struct AxisState {
   Signal demand;         // before shaping
   Signal setpoint;       // after shaping: what the drive is given
   Signal zero;           // of a rotary axis: see Turns
+};
+
+// Of the last stream.
+struct StreamState {
+  bool limiting;           // its last setpoint was not followed
+  bool faulted;            // it ended for that
+  uint32_t limited_ticks;  // of all streams
 };
 
 }  // namespace stillpoint

@@ -53,12 +53,12 @@ Signal AxisCore::advance() {
     if (stop_ramp_.at_rest()) rest_at(position);
     return position;
   }
-  if (!sampler_.at_rest()) {
+  if (!sampler_.at_rest() || streaming_) {
     drain_ticks_ = length_ticks_;
   } else if (drain_ticks_ > 0) {
     --drain_ticks_;
   }
-  const Signal input = sampler_.tick();
+  const Signal input = streaming_ ? follow_stream() : sampler_.tick();
   const Signal output = shapers_[active_shaper_].tick(input);
   return blending_ ? blend(input, output) : output;
 }
@@ -80,8 +80,10 @@ void AxisCore::take_move(bool commit) {
     flight_armed_ = false;
   } else if (move_epoch_ != epoch_) {
     store(pending_move_, kNoMove);
-  } else if (what == kFromRest) {
-    if (commit && published_.latest().phase == AxisPhase::kAtRest && !stopping_) begin_track();
+  } else if (what == kFromRest || what == kStream) {
+    if (!commit || published_.latest().phase != AxisPhase::kAtRest || stopping_) return;
+    if (what == kStream) return start_stream();
+    begin_track();
   } else if (what == kInFlight) {
     flight_armed_ = flight_armed_ || commit;
     const auto late = static_cast<int32_t>(published_.latest().tick - flight_at_);
@@ -104,7 +106,7 @@ void AxisCore::begin_track() {
 void AxisCore::take_pending(uint32_t what) {
   if (blending_ || load(looking_) != 0) return;
   if (published_.latest().phase == AxisPhase::kAtRest && !stopping_) {
-    if (sampler_.at_rest()) take_shaper(what);
+    if (sampler_.at_rest() && !streaming_) take_shaper(what);
   } else if (what == kBlend && !stopping_) {
     begin_blend();
   }
@@ -163,6 +165,7 @@ void AxisCore::begin_stop() {
 
 void AxisCore::rest_at(Signal position) {
   sampler_.rest_at(position);
+  streaming_ = false;
   shapers_[active_shaper_].fill(position);
   drain_ticks_ = 0;
   stopping_ = false;
@@ -180,10 +183,11 @@ void AxisCore::reset(Signal position) {
 
 void AxisCore::publish(Signal setpoint) {
   const AxisPhase phase = stopping_                        ? AxisPhase::kStopping
+                          : streaming_                     ? AxisPhase::kStreaming
                           : !sampler_.at_rest()            ? AxisPhase::kMoving
                           : drain_ticks_ != 0 || blending_ ? AxisPhase::kDraining
                                                            : AxisPhase::kAtRest;
-  const Signal demand = stopping_ ? setpoint : sampler_.position();
+  const Signal demand = stopping_ ? setpoint : streaming_ ? limiter_.position() : sampler_.position();
   turns_.follow(setpoint);
   published_.publish(AxisState{published_.latest().tick + 1, phase, track_ticks_, demand, setpoint, turns_.zero});
 }

@@ -36,8 +36,9 @@ AxisLimits around(const AxisLimits& a, const AxisLimits& b) {
                     larger(a.larger_jerk(), b.larger_jerk())};
 }
 
-// An acceleration that the new jerk limit lets go of too late for the new velocity limit: by the jerk of the motion
-// before it comes to rest in time, or the axis would run past both. Afterwards the new limits hold.
+// An acceleration that the new jerk limit lets go of too late for the new velocity limit, or, where the motion turns
+// round meanwhile, for the new acceleration limit: the jerk of the motion before lets go of it in time, or the axis
+// would run past the old limits too. Afterwards the new ones hold.
 struct Release {
   double ticks;  // 0: there is no need
   double jerk;   // counts/s^3, signed
@@ -45,14 +46,25 @@ struct Release {
   double distance;
 };
 
+// Whether it does; `jerk` is the one that counts first.
+bool too_late(const StartMotion& start, const AxisLimits& limits, double& jerk) {
+  const double square = math::square(start.acceleration);
+  const double speed = math::abs(start.velocity);
+  jerk = limits.jerk;
+  if (start.velocity * start.acceleration >= 0.0) return speed + square / (2.0 * jerk) > limits.velocity;
+  jerk = limits.braking_jerk();
+  const double turning = square - 2.0 * jerk * speed;
+  return turning > math::square(limits.acceleration) || turning > 2.0 * limits.jerk * limits.velocity;
+}
+
 Release release_of(const StartMotion& start, const AxisLimits& limits, double jerk, double tick_s) {
+  constexpr double kShortestTicks = 1.0 / 1024.0;
   const double a = start.acceleration;
-  const double by_limits = start.velocity + a * math::abs(a) / (2.0 * limits.jerk);
-  if (jerk > math::abs(a) / tick_s) jerk = math::abs(a) / tick_s;
-  if (math::abs(by_limits) <= limits.velocity || a * by_limits <= 0.0 || jerk <= limits.jerk)
-    return Release{0.0, 0.0, start, 0.0};
-  const double time = math::abs(a) / jerk;
-  const double signed_jerk = a > 0.0 ? -jerk : jerk;
+  double by_limits = 0.0;
+  if (!too_late(start, limits, by_limits) || jerk <= by_limits) return Release{0.0, 0.0, start, 0.0};
+  const double shortest = kShortestTicks * tick_s;
+  const double time = math::abs(a) > jerk * shortest ? math::abs(a) / jerk : shortest;
+  const double signed_jerk = -a / time;
   return Release{time / tick_s, signed_jerk, StartMotion{start.velocity + a * time / 2.0, 0.0},
                  time * (start.velocity + time * (a / 2.0 + time * signed_jerk / 6.0))};
 }
@@ -106,6 +118,7 @@ Status AxisCore::halt(const AxisLimits& limits, MoveReport* report) {
   __atomic_signal_fence(__ATOMIC_SEQ_CST);
   const AxisPhase phase = state().phase;
   if (report != nullptr) *report = MoveReport{};
+  if (phase == AxisPhase::kStreaming) store(stream_end_requested_, 1);
   if (phase != AxisPhase::kMoving) return kOk;  // the profile stands, or is being stopped
   flight_lead_ = kShortestLeadTicks;
   Flight flight{Move{0, ProfileKind::kSCurve, limits, 0.0, false}, 0.0, true};
@@ -124,7 +137,8 @@ Status AxisCore::fly(const Flight& flight, MoveReport* report) {
   const AxisState now = state();
   const uint32_t pending = load(pending_);
   const bool at_rest = now.phase == AxisPhase::kAtRest;
-  if (now.phase == AxisPhase::kStopping || load(pending_move_) != kNoMove || pending == kBlend) return busy();
+  if (now.phase == AxisPhase::kStopping || now.phase == AxisPhase::kStreaming) return busy();
+  if (load(pending_move_) != kNoMove || pending == kBlend) return busy();
   if (at_rest && pending != kNothing) return busy();
   const uint32_t lead = at_rest ? 0 : flight_lead_;
   uint32_t unused = 0;
@@ -201,7 +215,7 @@ Status AxisCore::plan_to_target(const Move& move, Signal zero, Course& course) c
     const double turns = math::ceil(sign * (stop.distance - counts_of(to_target)) / config_.modulo_counts);
     if (turns * config_.modulo_counts > kMaxPositionCounts)
       return refuse(Error::kAboveMaximum, Quantity::kDistance, stop.distance, kMaxPositionCounts);
-    if (turns > 0.0) course.target = wrapped_sum(course.target, static_cast<Signal>(sign * turns) * turns_.counts);
+    if (turns > 0.0) course.target = wrapping_sum(course.target, static_cast<Signal>(sign * turns) * turns_.counts);
   }
   course.to_target = true;
   const double distance = counts_of(standing(course.target).difference[0] - course.start.difference[0]);
@@ -232,11 +246,17 @@ Status AxisCore::plan_to_cruise(const Flight& flight, Course& course) const {
     status = plan_from(release.after, limit - from - release.distance, limits, config_.tick_s, course.plan);
     return status.ok() ? prepend(release, start, config_.tick_s, course.plan) : status;
   }
-  const double most = kMaxPositionCounts / (config_.tick_s * (running().length_ticks() + 1.0));
-  if (math::abs(velocity) > most) return refuse(Error::kAboveMaximum, Quantity::kVelocity, velocity, most);
+  status = check_wrap(velocity);
+  if (!status.ok()) return status;
   course.cruise = velocity * config_.tick_s;
   status = plan_to_velocity(release.after, velocity, limits, config_.tick_s, course.plan);
   return status.ok() ? prepend(release, start, config_.tick_s, course.plan) : status;
+}
+
+// A shaper tells two samples apart that are less than half the range apart.
+Status AxisCore::check_wrap(double velocity) const {
+  const double most = kMaxPositionCounts / (config_.tick_s * (running().length_ticks() + 1.0));
+  return math::abs(velocity) > most ? refuse(Error::kAboveMaximum, Quantity::kVelocity, velocity, most) : kOk;
 }
 
 Status AxisCore::check_extent(const Course& course) const {
@@ -265,8 +285,9 @@ Status AxisCore::check_stream(const Flight& flight, const AxisState& now, uint32
   const uint32_t stages = running().stage_count() - 1;
   const AxisLimits& limits = flight.move.limits;
   const AxisLimits& before = now.phase == AxisPhase::kAtRest ? limits : terms_[active_track_].move.limits;
-  const FlightLimits allowed{BlendLimits::make(around(limits, limits), flight.move.kind, config_.tick_s, stages, true),
-                             BlendLimits::make(around(limits, before), flight.move.kind, config_.tick_s, stages, true)};
+  const FlightLimits allowed{
+      BlendLimits::make(around(limits, limits), flight.move.jerk_limited(), config_.tick_s, stages, true),
+      BlendLimits::make(around(limits, before), flight.move.jerk_limited(), config_.tick_s, stages, true)};
   Quantity broken = Quantity::kDuration;
   if (now.phase == AxisPhase::kAtRest) {
     Track still{};

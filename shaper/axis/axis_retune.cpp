@@ -69,8 +69,8 @@ bool AxisCore::find_blend(const AxisState& now) {
     if (of_move.acceleration > of_move.deceleration) of_move.acceleration = of_move.deceleration;
     of_move.deceleration = of_move.acceleration;
   }
-  const bool forward = wrapped_difference(track.target(), signal_of(track.start)) >= 0;
-  const BlendLimits limits = BlendLimits::make(of_move, terms.move.kind, config_.tick_s, stages, forward);
+  const bool forward = wrapping_difference(track.target(), signal_of(track.start)) >= 0;
+  const BlendLimits limits = BlendLimits::make(of_move, terms.move.jerk_limited(), config_.tick_s, stages, forward);
   // A cruise is the same wherever one looks; so a year of it is not counted.
   const uint32_t elapsed =
       now.track_ticks < kLongestCruiseTicks ? static_cast<uint32_t>(now.track_ticks) : kLongestCruiseTicks;

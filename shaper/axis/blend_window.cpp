@@ -25,12 +25,12 @@ int64_t least(int64_t a, int64_t b) { return a < b ? a : b; }
 
 }  // namespace
 
-BlendLimits BlendLimits::make(const AxisLimits& limits, ProfileKind kind, double tick_s, uint32_t stages,
+BlendLimits BlendLimits::make(const AxisLimits& limits, bool jerk_limited, double tick_s, uint32_t stages,
                               bool forward) {
   const int64_t rounding = int64_t{stages} + 2;
   const double lsb_tick = tick_s * static_cast<double>(kSignalPerCount);
   const double lsb_tick_2 = lsb_tick * tick_s;
-  const double jerk = kind == ProfileKind::kTrapezoid ? kLargestLimit : limits.jerk * lsb_tick_2 * tick_s;
+  const double jerk = jerk_limited ? limits.larger_jerk() * lsb_tick_2 * tick_s : kLargestLimit;
   return BlendLimits{whole(limits.velocity * lsb_tick, rounding),
                      whole(limits.acceleration * lsb_tick_2, 2 * rounding),
                      whole(limits.deceleration * lsb_tick_2, 2 * rounding),

@@ -39,7 +39,7 @@ struct BlendLimits {
   bool forward;
 
   // `stages`: of the longer cascade. The blend rounds once more, the profile too.
-  static BlendLimits make(const AxisLimits& limits, ProfileKind kind, double tick_s, uint32_t stages, bool forward);
+  static BlendLimits make(const AxisLimits& limits, bool jerk_limited, double tick_s, uint32_t stages, bool forward);
 };
 
 // A stream's newest sample and differences, signed along the move.

@@ -14,14 +14,6 @@ enum class Approach : uint8_t { kShortest, kPositive, kNegative };
 
 constexpr uint32_t kMaxModuloCounts = UINT32_C(1) << 30;
 
-// Where from the one to the other, over the end of the range if that is nearer.
-constexpr Signal wrapped_difference(Signal to, Signal from) {
-  return static_cast<Signal>(static_cast<uint64_t>(to) - static_cast<uint64_t>(from));
-}
-constexpr Signal wrapped_sum(Signal position, Signal distance) {
-  return static_cast<Signal>(static_cast<uint64_t>(position) + static_cast<uint64_t>(distance));
-}
-
 struct Turns {
   Signal counts;  // of one, as a Signal; 0: a linear axis
   Signal step;    // whole turns, at most 2^30 counts
@@ -36,17 +28,17 @@ struct Turns {
   // Tick: comparisons and additions. Called every tick of a motion of less than 2^30 counts a tick.
   void follow(Signal position) {
     if (step == 0) return;
-    const Signal from_zero = wrapped_difference(position, zero);
+    const Signal from_zero = wrapping_difference(position, zero);
     if (from_zero >= step) {
-      zero = wrapped_sum(zero, step);
+      zero = wrapping_sum(zero, step);
     } else if (from_zero < -step) {
-      zero = wrapped_difference(zero, step);
+      zero = wrapping_difference(zero, step);
     }
   }
 
   // What the axis reads there: [0, one turn). Background.
   Signal reading(Signal position) const {
-    const Signal rest = wrapped_difference(position, zero) % counts;
+    const Signal rest = wrapping_difference(position, zero) % counts;
     return rest < 0 ? rest + counts : rest;
   }
 

@@ -25,31 +25,48 @@ Quantity sustained_limit(const Plan& plan, uint32_t length_ticks);
 // Runs moves from `start` to `target` through a copy of a shaper, tick by tick as the axis would. Background.
 class ShapedMoveCheck {
  public:
-  // `scratch` and `track` are overwritten; the shaper's lines go to `memory`. `plan` is the move at its least duration
-  // within the limits, in counts.
-  ShapedMoveCheck(const Plan& plan, const AxisLimits& limits, ProfileKind kind, double tick_s, Shaper& scratch,
-                  Track& track, Signal start, Signal target);
+  // `scratch` and `track` are overwritten; the shaper's lines go to the memory it was configured with.
+  ShapedMoveCheck(const AxisLimits& limits, bool jerk_limited, double tick_s, Shaper& scratch, Track& track,
+                  Signal start, Signal target);
 
-  // The first limit that the shaped stream breaks when the profile takes `profile_ticks`; kNone if it keeps all.
-  // Cost: profile_ticks + length of the shaper stage ticks.
-  Quantity broken_at(uint32_t profile_ticks);
+  // The first limit that the shaped stream breaks; kNone if it keeps all. `plan` in counts, over the whole distance.
+  // Cost: the plan's ticks and the length of the shaper, in stage ticks.
+  Quantity broken(const Plan& plan);
+  // The same for the plan slowed down or sped up uniformly. kDuration where it cannot be.
+  Quantity broken_at(const Plan& plan, uint32_t profile_ticks);
 
-  // The least profile duration in (too_short, enough] whose shaped stream keeps the limits, given that `enough` does:
-  // by bisection, so at most 13 checks for `enough` up to kLongestSearchTicks; beyond, `enough` itself. The limit that
+  // Of the last stream that kept all limits: its peaks in counts/s^n, and the largest part that one of them is of its
+  // limit.
+  const Peaks& peaks() const { return peaks_; }
+  double use() const { return use_; }
+  uint32_t length_ticks() const { return scratch_.length_ticks(); }
+
+  // The least duration in (too_short, enough] whose shaped stream keeps the limits, given that `enough` does: by
+  // bisection, so at most 13 checks for `enough` up to kLongestSearchTicks; beyond, `enough` itself. The limit that
   // binds just below it comes back in `binding`.
-  uint32_t least_ticks(uint32_t too_short, uint32_t enough, Quantity& binding);
+  uint32_t least_ticks(const Plan& plan, uint32_t too_short, uint32_t enough, Quantity& binding);
 
-  // The least profile duration in [from, enough], given that `enough` keeps the limits, for a shaper that raises peaks:
-  // by bisection up to kLongestSearchTicks; beyond, the first of a few durations from 1 % to 70 % longer, or `enough`.
-  uint32_t least_slowed_ticks(uint32_t from, uint32_t enough);
+  // The least duration in [from, enough], given that `enough` keeps the limits, for a shaper that raises peaks: by
+  // bisection up to kLongestSearchTicks; beyond, the first of a few durations from 1 % to 70 % longer, or `enough`.
+  uint32_t least_slowed_ticks(const Plan& plan, uint32_t from, uint32_t enough);
 
  private:
-  Plan plan_;
+  struct Extremes {
+    int64_t velocity;      // magnitude
+    int64_t acceleration;  // along the move
+    int64_t deceleration;
+    double jerk;  // magnitude
+  };
+  void note(const Extremes& extremes);
+
   Shaper& scratch_;
   Track& track_;
   Signal start_;
   Signal target_;
+  double tick_s_;
   double limit_[4];  // velocity, acceleration, deceleration, jerk along the move, LSB/tick^n with its allowance
+  Peaks peaks_ = {};
+  double use_ = 0.0;
 };
 
 }  // namespace stillpoint

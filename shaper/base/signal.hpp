@@ -25,4 +25,12 @@ constexpr int32_t counts_from_signal(Signal signal) {
   return static_cast<int32_t>(up && whole < kMaxPositionCounts ? whole + 1 : whole);
 }
 
+// Modulo 2^64: positions wrap at the end of their range, and what they differ by does not notice.
+constexpr Signal wrapping_sum(Signal a, Signal b) {
+  return static_cast<Signal>(static_cast<uint64_t>(a) + static_cast<uint64_t>(b));
+}
+constexpr Signal wrapping_difference(Signal a, Signal b) {
+  return static_cast<Signal>(static_cast<uint64_t>(a) - static_cast<uint64_t>(b));
+}
+
 }  // namespace stillpoint

@@ -1,7 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "shaper/base/status.hpp"
 
+#include "shaper/base/math_bits.hpp"
+
 namespace stillpoint {
+
+Status check_finite(Quantity quantity, double value) {
+  return math::is_finite(value) ? kOk : refuse(Error::kNotFinite, quantity, value);
+}
+
+Status check_positive(Quantity quantity, double value) {
+  if (math::is_finite(value) && !(value > 0.0)) return refuse(Error::kNotPositive, quantity, value);
+  return check_finite(quantity, value);
+}
 
 const char* text(Error error) {
   switch (error) {

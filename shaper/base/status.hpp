@@ -74,6 +74,10 @@ constexpr Status refuse(Error error, Quantity quantity, double value, double acc
   return Status{error, quantity, value, accepted};
 }
 
+// Refuse, naming the quantity, what is not finite; and what is not above zero.
+Status check_finite(Quantity quantity, double value);
+Status check_positive(Quantity quantity, double value);
+
 // Words for people, e.g. "above the maximum", "frequency". Not on the tick path.
 const char* text(Error error);
 const char* text(Quantity quantity);

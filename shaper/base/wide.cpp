@@ -5,6 +5,18 @@
 
 namespace stillpoint {
 
+void add_product(Wide& sum, const Wide& a, const Wide& b) { sum += a * b; }
+
+Wide times_fraction(Wide a, uint64_t fraction) {
+  Wide product = multiply(a.high, fraction);
+  if (is_negative(a)) product.high -= fraction;
+  return product + Wide{multiply(a.low, fraction).high, 0};
+}
+
+Wide fixed_product(Wide a, Wide b) {
+  return times_fraction(a, b.low) + a * Wide::from_int(static_cast<int64_t>(b.high));
+}
+
 Wide wide_from_double(double value, int fraction_bits) {
   const uint64_t bits = __builtin_bit_cast(uint64_t, value);
   const int exponent_field = static_cast<int>((bits >> 52) & 0x7FFU);

@@ -51,12 +51,28 @@ constexpr Wide operator*(Wide a, Wide b) {
   return product;
 }
 
+// sum += a * b, modulo 2^128. Out of line: the product takes 100 bytes of code wherever it is inlined.
+void add_product(Wide& sum, const Wide& a, const Wide& b);
+
 // 0 <= bits < 128
 constexpr Wide shifted_left(Wide a, int bits) {
   if (bits == 0) return a;
   if (bits >= 64) return Wide{0, a.low << (bits - 64)};
   return Wide{a.low << bits, (a.high << bits) | (a.low >> (64 - bits))};
 }
+
+// 0 <= bits < 64, towards minus infinity
+constexpr Wide shifted_right(Wide a, int bits) {
+  if (bits == 0) return a;
+  const uint64_t sign = is_negative(a) ? ~UINT64_C(0) : 0;
+  return Wide{(a.low >> bits) | (a.high << (64 - bits)), (a.high >> bits) | (sign << (64 - bits))};
+}
+
+// a * fraction * 2^-64, towards minus infinity
+Wide times_fraction(Wide a, uint64_t fraction);
+
+// a * b * 2^-64, towards minus infinity, both signed: the product of numbers with m and n fraction bits has m + n - 64.
+Wide fixed_product(Wide a, Wide b);
 
 // value * 2^fraction_bits to the nearest, halves away from zero. |value| * 2^fraction_bits < 2^127.
 Wide wide_from_double(double value, int fraction_bits);

@@ -12,31 +12,24 @@ constexpr double kDecoding = 4.0;
 
 double or_one(double value) { return value == 0.0 ? 1.0 : value; }
 
-void add(LimitedBy& limit, HardwareLimit by, double value) { limit.parts[limit.count++] = {by, value}; }
-
-// Metres a turn of the motor; 0 if not known.
-double travel_a_turn(const Hardware& hardware) { return hardware.pitch_m / or_one(hardware.gear_ratio); }
-
-void add_velocities(const Hardware& hardware, LimitedBy& velocity) {
-  const double travel = travel_a_turn(hardware);
-  if (travel > 0.0 && hardware.motor_rpm > 0.0)
-    add(velocity, HardwareLimit::kMotor, hardware.motor_rpm / kSecondsAMinute * travel);
-  if (travel > 0.0 && hardware.pulses_per_rev > 0.0) {
-    const double travel_a_pulse = travel / hardware.pulses_per_rev;
-    if (hardware.encoder_max_hz > 0.0) add(velocity, HardwareLimit::kEncoder, hardware.encoder_max_hz * travel_a_pulse);
-    if (hardware.interpolator_max_hz > 0.0)
-      add(velocity, HardwareLimit::kInterpolator, hardware.interpolator_max_hz * travel_a_pulse);
-    if (hardware.counter_max_hz > 0.0) {
-      const double pulses = hardware.counter_max_hz / (kDecoding * or_one(hardware.interpolation));
-      add(velocity, HardwareLimit::kCounter, pulses * travel_a_pulse);
-    }
-  }
+// What is 0 has an unknown in it, and what is infinite the reciprocal of one.
+[[gnu::noinline]] void add_known(LimitedBy& limit, HardwareLimit by, double value) {
+  if (value > 0.0 && value < math::kInfinity) limit.parts[limit.count++] = {by, value};
 }
 
-// N, before friction; 0 if not known.
+void add_velocities(const Hardware& hardware, LimitedBy& velocity) {
+  const double travel = hardware.pitch_m / or_one(hardware.gear_ratio);  // metres a turn of the motor
+  const double travel_a_pulse = hardware.pulses_per_rev > 0.0 ? travel / hardware.pulses_per_rev : 0.0;
+  const double pulses = hardware.counter_max_hz / (kDecoding * or_one(hardware.interpolation));
+  add_known(velocity, HardwareLimit::kMotor, hardware.motor_rpm / kSecondsAMinute * travel);
+  add_known(velocity, HardwareLimit::kEncoder, hardware.encoder_max_hz * travel_a_pulse);
+  add_known(velocity, HardwareLimit::kInterpolator, hardware.interpolator_max_hz * travel_a_pulse);
+  add_known(velocity, HardwareLimit::kCounter, pulses * travel_a_pulse);
+}
+
+// N, before friction; not finite or 0 if not known.
 double force_of(const Hardware& hardware) {
   if (hardware.force_constant > 0.0) return hardware.force_constant * hardware.max_current_a;
-  if (hardware.pitch_m == 0.0) return 0.0;
   const double torque = hardware.torque_constant * hardware.max_current_a * or_one(hardware.gear_ratio) *
                         or_one(hardware.gear_efficiency);
   return 2.0 * math::kPi * torque * or_one(hardware.screw_efficiency) / hardware.pitch_m;
@@ -46,75 +39,81 @@ double force_of(const Hardware& hardware) {
 // other's.
 void add_following_error(const Hardware& hardware, HardwareLimits& limits) {
   const double bound = hardware.max_following_error_m;
-  const double kv = hardware.velocity_error_constant;
-  const double ka = hardware.acceleration_error_constant;
-  if (!(bound > 0.0)) return;
-  const double half = 0.5 * bound;
-  const double of_velocity = kv > 0.0 ? limits.velocity.binding().value / kv : 0.0;
-  const double of_acceleration = ka > 0.0 ? limits.acceleration.binding().value / ka : 0.0;
-  if (kv > 0.0)
-    add(limits.velocity, HardwareLimit::kFollowingError,
-        kv * (bound - (of_acceleration < half ? of_acceleration : half)));
-  if (ka > 0.0)
-    add(limits.acceleration, HardwareLimit::kFollowingError, ka * (bound - (of_velocity < half ? of_velocity : half)));
+  const double constant[2] = {hardware.velocity_error_constant, hardware.acceleration_error_constant};
+  LimitedBy* const limit[2] = {&limits.velocity, &limits.acceleration};
+  double left[2];  // to the other
+  for (int i = 0; i < 2; ++i) {
+    const double error = constant[i] > 0.0 ? limit[i]->binding().value / constant[i] : 0.0;
+    left[i] = bound - (error < 0.5 * bound ? error : 0.5 * bound);
+  }
+  for (int i = 0; i < 2; ++i) add_known(*limit[i], HardwareLimit::kFollowingError, constant[i] * left[1 - i]);
 }
 
 void add_jerks(const Hardware& hardware, double acceleration, LimitedBy& jerk) {
-  const auto add_time = [&](HardwareLimit by, double seconds) { add(jerk, by, acceleration / seconds); };
-  if (hardware.current_bandwidth_hz > 0.0)
-    add_time(HardwareLimit::kCurrentBandwidth, 1.0 / (2.0 * math::kPi * hardware.current_bandwidth_hz));
-  if (hardware.electrical_time_s > 0.0) {
-    const double drop = hardware.max_current_a * hardware.resistance_ohm;
-    const bool knows_voltage = hardware.supply_voltage > 0.0 && drop > 0.0;
-    if (knows_voltage && hardware.supply_voltage > drop) {
-      // The current climbs towards U/R with L/R; it is all there once it has reached i.
-      const double share = drop / hardware.supply_voltage;
-      add_time(HardwareLimit::kSupplyVoltage, -hardware.electrical_time_s * math::log(1.0 - share));
-    } else {
-      add_time(HardwareLimit::kElectricalTime, hardware.electrical_time_s);
-    }
+  // The current climbs towards U/R with L/R; it is all there once it has reached i.
+  const double drop = hardware.max_current_a * hardware.resistance_ohm;
+  const double share = hardware.supply_voltage > drop ? drop / hardware.supply_voltage : 0.0;
+  HardwareLimit by = HardwareLimit::kElectricalTime;
+  double climb = hardware.electrical_time_s;
+  if (share > 0.0) {
+    by = HardwareLimit::kSupplyVoltage;
+    climb *= -math::log(1.0 - share);
   }
-  if (hardware.control_rate_hz > 0.0) add_time(HardwareLimit::kControlRate, 2.0 / hardware.control_rate_hz);
-  if (hardware.output_bandwidth_hz > 0.0)
-    add_time(HardwareLimit::kOutputBandwidth, 1.0 / (2.0 * math::kPi * hardware.output_bandwidth_hz));
+  const struct {
+    HardwareLimit by;
+    double seconds;
+  } times[] = {{HardwareLimit::kCurrentBandwidth, 1.0 / (2.0 * math::kPi * hardware.current_bandwidth_hz)},
+               {by, climb},
+               {HardwareLimit::kControlRate, 2.0 / hardware.control_rate_hz},
+               {HardwareLimit::kOutputBandwidth, 1.0 / (2.0 * math::kPi * hardware.output_bandwidth_hz)}};
+  for (const auto& time : times) add_known(jerk, time.by, acceleration / time.seconds);
 }
+
+constexpr size_t kRows = 24;
+
+constexpr double Hardware::*kMembers[kRows] = {&Hardware::motor_rpm,
+                                               &Hardware::gear_ratio,
+                                               &Hardware::pitch_m,
+                                               &Hardware::pulses_per_rev,
+                                               &Hardware::encoder_max_hz,
+                                               &Hardware::interpolation,
+                                               &Hardware::interpolator_max_hz,
+                                               &Hardware::counter_max_hz,
+                                               &Hardware::torque_constant,
+                                               &Hardware::force_constant,
+                                               &Hardware::max_current_a,
+                                               &Hardware::gear_efficiency,
+                                               &Hardware::screw_efficiency,
+                                               &Hardware::friction_force_n,
+                                               &Hardware::mass_kg,
+                                               &Hardware::current_bandwidth_hz,
+                                               &Hardware::electrical_time_s,
+                                               &Hardware::supply_voltage,
+                                               &Hardware::resistance_ohm,
+                                               &Hardware::control_rate_hz,
+                                               &Hardware::output_bandwidth_hz,
+                                               &Hardware::velocity_error_constant,
+                                               &Hardware::acceleration_error_constant,
+                                               &Hardware::max_following_error_m};
+
+constexpr Quantity kQuantities[kRows] = {
+    Quantity::kMotorSpeed,    Quantity::kGearRatio,      Quantity::kPitch,          Quantity::kEncoder,
+    Quantity::kEncoder,       Quantity::kEncoder,        Quantity::kEncoder,        Quantity::kEncoder,
+    Quantity::kMotorConstant, Quantity::kMotorConstant,  Quantity::kCurrent,        Quantity::kEfficiency,
+    Quantity::kEfficiency,    Quantity::kFriction,       Quantity::kMass,           Quantity::kBandwidth,
+    Quantity::kElectrical,    Quantity::kElectrical,     Quantity::kElectrical,     Quantity::kBandwidth,
+    Quantity::kBandwidth,     Quantity::kFollowingError, Quantity::kFollowingError, Quantity::kFollowingError};
 
 }  // namespace
 
 Status Hardware::validate() const {
-  struct Row {
-    Quantity quantity;
-    double value;
-  };
-  const Row rows[] = {{Quantity::kMotorSpeed, motor_rpm},
-                      {Quantity::kGearRatio, gear_ratio},
-                      {Quantity::kPitch, pitch_m},
-                      {Quantity::kEncoder, pulses_per_rev},
-                      {Quantity::kEncoder, encoder_max_hz},
-                      {Quantity::kEncoder, interpolation},
-                      {Quantity::kEncoder, interpolator_max_hz},
-                      {Quantity::kEncoder, counter_max_hz},
-                      {Quantity::kMotorConstant, torque_constant},
-                      {Quantity::kMotorConstant, force_constant},
-                      {Quantity::kCurrent, max_current_a},
-                      {Quantity::kEfficiency, gear_efficiency},
-                      {Quantity::kEfficiency, screw_efficiency},
-                      {Quantity::kFriction, friction_force_n},
-                      {Quantity::kMass, mass_kg},
-                      {Quantity::kBandwidth, current_bandwidth_hz},
-                      {Quantity::kElectrical, electrical_time_s},
-                      {Quantity::kElectrical, supply_voltage},
-                      {Quantity::kElectrical, resistance_ohm},
-                      {Quantity::kBandwidth, control_rate_hz},
-                      {Quantity::kBandwidth, output_bandwidth_hz},
-                      {Quantity::kFollowingError, velocity_error_constant},
-                      {Quantity::kFollowingError, acceleration_error_constant},
-                      {Quantity::kFollowingError, max_following_error_m}};
-  for (size_t i = 0; i < sizeof rows / sizeof rows[0]; ++i) {
-    if (!math::is_finite(rows[i].value)) return refuse(Error::kNotFinite, rows[i].quantity, rows[i].value);
-    if (rows[i].value < 0.0) return refuse(Error::kBelowMinimum, rows[i].quantity, rows[i].value, 0.0);
-    if (rows[i].quantity == Quantity::kEfficiency && rows[i].value > 1.0)
-      return refuse(Error::kAboveMaximum, Quantity::kEfficiency, rows[i].value, 1.0);
+  for (size_t i = 0; i < kRows; ++i) {
+    const double value = this->*kMembers[i];
+    const Status status = check_finite(kQuantities[i], value);
+    if (!status.ok()) return status;
+    if (value < 0.0) return refuse(Error::kBelowMinimum, kQuantities[i], value, 0.0);
+    if (kQuantities[i] == Quantity::kEfficiency && value > 1.0)
+      return refuse(Error::kAboveMaximum, Quantity::kEfficiency, value, 1.0);
   }
   if (torque_constant > 0.0 && force_constant > 0.0)
     return refuse(Error::kAboveMaximum, Quantity::kMotorConstant, force_constant, 0.0);
@@ -138,7 +137,7 @@ Status hardware_limits(const Hardware& hardware, HardwareLimits& out) {
   if (force > 0.0 && hardware.mass_kg > 0.0) {
     if (!(hardware.friction_force_n < force))
       return refuse(Error::kAboveMaximum, Quantity::kFriction, hardware.friction_force_n, force);
-    add(limits.acceleration, HardwareLimit::kForce, (force - hardware.friction_force_n) / hardware.mass_kg);
+    add_known(limits.acceleration, HardwareLimit::kForce, (force - hardware.friction_force_n) / hardware.mass_kg);
   }
   add_following_error(hardware, limits);
   if (limits.acceleration.count > 0) add_jerks(hardware, limits.acceleration.binding().value, limits.jerk);

@@ -1,47 +1,39 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "shaper/profile/limits.hpp"
 
-#include "shaper/base/math.hpp"
-
 namespace stillpoint {
 
 namespace {
 
-struct NamedLimit {
-  Quantity quantity;
-  double value;
-};
+constexpr unsigned kCount = 6;
 
-Status validate_one(NamedLimit limit) {
-  if (!math::is_finite(limit.value)) return refuse(Error::kNotFinite, limit.quantity, limit.value);
-  if (!(limit.value > 0.0)) return refuse(Error::kNotPositive, limit.quantity, limit.value);
-  return kOk;
-}
+constexpr Quantity kQuantities[kCount] = {Quantity::kVelocity, Quantity::kAcceleration,     Quantity::kDeceleration,
+                                          Quantity::kJerk,     Quantity::kDecelerationJerk, Quantity::kTick};
+
+struct Values {
+  double value[kCount];
+  [[gnu::noinline]] Values(const AxisLimits& l, double tick_s)
+      : value{l.velocity, l.acceleration, l.deceleration, l.jerk, l.braking_jerk(), tick_s} {}
+};
 
 }  // namespace
 
-Status AxisLimits::validate() const {
-  const NamedLimit limits[] = {{Quantity::kVelocity, velocity},
-                               {Quantity::kAcceleration, acceleration},
-                               {Quantity::kDeceleration, deceleration},
-                               {Quantity::kJerk, jerk},
-                               {Quantity::kDecelerationJerk, braking_jerk()}};
-  for (unsigned i = 0; i < sizeof limits / sizeof limits[0]; ++i) {
-    const Status status = validate_one(limits[i]);
-    if (!status.ok()) return status;
-  }
-  return kOk;
+Status AxisLimits::validate(double tick_s) const {
+  const Values values(*this, tick_s);
+  Status status;
+  for (unsigned i = 0; i < kCount && status.ok(); ++i) status = check_positive(kQuantities[i], values.value[i]);
+  return status;
 }
 
+Status AxisLimits::validate() const { return validate(1.0); }
+
 Status AxisLimits::within(const AxisLimits& maximum) const {
-  if (velocity > maximum.velocity) return refuse(Error::kAboveMaximum, Quantity::kVelocity, velocity, maximum.velocity);
-  if (acceleration > maximum.acceleration)
-    return refuse(Error::kAboveMaximum, Quantity::kAcceleration, acceleration, maximum.acceleration);
-  if (deceleration > maximum.deceleration)
-    return refuse(Error::kAboveMaximum, Quantity::kDeceleration, deceleration, maximum.deceleration);
-  if (jerk > maximum.jerk) return refuse(Error::kAboveMaximum, Quantity::kJerk, jerk, maximum.jerk);
-  if (braking_jerk() > maximum.braking_jerk())
-    return refuse(Error::kAboveMaximum, Quantity::kDecelerationJerk, braking_jerk(), maximum.braking_jerk());
+  const Values values(*this, 1.0);
+  const Values most(maximum, 1.0);
+  for (unsigned i = 0; i < kCount; ++i) {
+    if (values.value[i] > most.value[i])
+      return refuse(Error::kAboveMaximum, kQuantities[i], values.value[i], most.value[i]);
+  }
   return kOk;
 }
 

@@ -21,6 +21,8 @@ struct AxisLimits {
   // Each must be finite and above zero (the deceleration's jerk: or zero); the refusal names the first that is not.
   // O(1), any context.
   Status validate() const;
+  // And the tick they are to be kept at.
+  Status validate(double tick_s) const;
 
   // Refuses, naming quantity and largest value accepted, the first that is larger here than in `maximum`.
   Status within(const AxisLimits& maximum) const;

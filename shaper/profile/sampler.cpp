@@ -3,6 +3,12 @@
 
 namespace stillpoint {
 
+namespace {
+
+Signal rounded(Wide position) { return signal_of(Differences{{position}}); }
+
+}  // namespace
+
 static_assert(kTrackFractionBits - kSignalFractionBits == 64, "the signal is the upper half of a track's position");
 
 void Sampler::rest_at(Signal position) {
@@ -18,6 +24,8 @@ void Sampler::begin(const Track& track) {
   position_ = signal_of(state_);
   if (track.duration_ticks == 0) {
     end();
+  } else if (track.is_curve()) {
+    walk_.begin_at(track.parts, track.part_count, 0);
   } else {
     add_switch();
   }
@@ -26,6 +34,10 @@ void Sampler::begin(const Track& track) {
 void Sampler::begin_at(const Track& track, uint32_t tick) {
   track_ = &track;
   tick_ = tick < track.duration_ticks ? tick : track.duration_ticks;
+  if (track.is_curve() && tick < track.duration_ticks) {
+    position_ = rounded(walk_.begin_at(track.parts, track.part_count, tick));
+    return;
+  }
   state_ = track.differences_at(tick, next_switch_);
   position_ = signal_of(state_);
   if (tick_ == track.duration_ticks && !track.cruises()) rest_at(position_);
@@ -55,6 +67,10 @@ Signal Sampler::tick() {
   ++tick_;
   if (tick_ == track_->duration_ticks) {
     end();
+    return position_;
+  }
+  if (track_->is_curve()) {
+    position_ = rounded(walk_.next(track_->parts, track_->part_count, tick_));
     return position_;
   }
   for (int i = 0; i < 3; ++i) state_.difference[i] += state_.difference[i + 1];

@@ -8,24 +8,28 @@
 
 namespace stillpoint {
 
-// Limits of a stop, made ready for the tick: accelerations step on a lattice of `jerk_step`, of which the
-// deceleration limit is a whole multiple, so that the tick needs only to add and compare.
+// Limits of a stop, made ready for the tick: in whole LSB, up to one more than the limits given, so that a stop is
+// never slower than they allow.
 struct StopLimits {
-  int64_t deceleration;  // LSB/tick^2, levels * jerk_step
-  int64_t jerk_step;     // LSB/tick^3
+  int64_t deceleration;  // LSB/tick^2
+  int64_t jerk;          // LSB/tick^3
 
-  // Background. `deceleration` in counts/s^2 and `jerk` in counts/s^3, both above zero.
+  // Background. `deceleration` in counts/s^2 and `jerk` in counts/s^3; refuses what limit_in_lsb refuses and a tick not
+  // above zero, and leaves `out`. Above 2^62 LSB they count as that.
   static Status make(double deceleration, double jerk, double tick_s, StopLimits& out);
 };
 
-// Brings a moving output to rest from whatever velocity and acceleration it has, beginning with the next tick.
-// Tick context; additions, comparisons and, once, a multiplication. The third difference of what it emits is within
-// jerk_step, the second within the larger of the deceleration limit and what it was at the start; it turns round only
-// where the acceleration it was given cannot be let go in time.
+// Brings a moving output to rest from whatever velocity and acceleration it has, beginning with the next tick, in the
+// fewest ticks that the limits allow; see braking.hpp for the rule. The third difference of what it emits is within the
+// jerk, the second within the larger of the deceleration and what it was at the start. From outside the deceleration
+// limit the acceleration is let go at the jerk limit first. It turns round only where the acceleration it was given
+// cannot be let go in time. Positions wrap at the end of their range.
 //
-// The rule: braking moves on levels m * jerk_step. In each tick the highest of the three levels in reach is taken from
-// which the velocity still left can be let go level by level, sum(i * jerk_step, i < m); what remains below one step
-// goes in the last tick. At the end of the position range it stands.
+// Against the continuous optimum, which may change its jerk between ticks: less than a tick more, whatever the state.
+// From any state: a velocity or acceleration past 2^62 LSB, a quarter of the position range in one tick, counts as
+// that.
+//
+// Tick context; additions, comparisons and two divisions by shifting, see braking.hpp for the cost.
 class StopRamp {
  public:
   // From the last three outputs, newest first.
@@ -34,15 +38,10 @@ class StopRamp {
   bool at_rest() const { return velocity_ == 0 && acceleration_ == 0; }
 
  private:
-  int64_t next_braking(int64_t velocity, int64_t braking);
-  int64_t align(int64_t velocity, int64_t braking);
-
   StopLimits limits_ = {};
   Signal position_ = 0;
   int64_t velocity_ = 0;      // LSB/tick
   int64_t acceleration_ = 0;  // LSB/tick^2
-  int64_t level_ = 0;         // braking over jerk_step; below 0: not on a level
-  int64_t release_ = 0;       // sum of the levels below
 };
 
 }  // namespace stillpoint

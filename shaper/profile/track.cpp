@@ -9,6 +9,16 @@ namespace {
 
 Wide wide(double counts) { return wide_from_double(counts, kTrackFractionBits); }
 
+double to_counts(const Wide& wide) { return to_double(wide, kTrackFractionBits); }
+
+void swap(double (&a)[3], double (&b)[3]) {
+  for (int i = 0; i < 3; ++i) {
+    const double was = a[i];
+    a[i] = b[i];
+    b[i] = was;
+  }
+}
+
 // The entry for `tick`, new if there is none; calls come with rising ticks, or with one that exists.
 Differences& at(Track& track, uint32_t tick) {
   uint32_t i = track.switch_count;
@@ -20,34 +30,38 @@ Differences& at(Track& track, uint32_t tick) {
   return track.switches[i].add;
 }
 
-// A time between ticks: `first` is the first tick not before it, `fraction` the part of a tick from it to there.
+// A time between ticks: `first` is the first tick not before it, `fraction` the part of a tick from it to there. Whole
+// ticks apart from the rest: a short phase of high jerk keeps the digits of its duration however late it begins.
 struct Moment {
   uint32_t first;
   double fraction;
 };
 
-Moment from_start(double ticks) {
-  const double first = math::ceil(ticks);
-  return Moment{static_cast<uint32_t>(first), first - ticks};
+// `ticks` may be negative.
+[[gnu::noinline]] Moment after(const Moment& moment, double ticks) {
+  const double late = ticks - moment.fraction;
+  int32_t whole = static_cast<int32_t>(late);
+  if (whole < late) ++whole;
+  return Moment{moment.first + static_cast<uint32_t>(whole), whole - late};
 }
 
-Moment before_end(uint32_t end, double ticks) {
-  const double whole = math::floor(ticks);
-  return whole < end ? Moment{end - static_cast<uint32_t>(whole), ticks - whole} : Moment{0, 0.0};
-}
+void add(Wide& sum, double counts) { sum += wide(counts); }
 
 // From the moment on, the samples have dv t + da t^2/2 + dj t^3/6 more.
-void add_change(Track& track, const Moment& moment, double dv, double da, double dj) {
+[[gnu::noinline]] void add_change(Track& track, const Moment& moment, double dv, double da, double dj) {
   const double f = moment.fraction;
-  Differences& add = at(track, moment.first);
-  add.difference[0] += wide(dv * f + da * (f * f / 2.0) + dj * (f * f * f / 6.0));
-  add.difference[1] += wide(dv) + wide(da * (f + 0.5)) + wide(dj * ((3.0 * f * (f + 1.0) + 1.0) / 6.0));
-  add.difference[2] += wide(da) + wide(dj) + wide(dj * f);
-  add.difference[3] += wide(dj);
+  Wide* d = at(track, moment.first).difference;
+  add(d[0], dv * f + da * (f * f / 2.0) + dj * (f * f * f / 6.0));
+  add(d[1], dv);
+  add(d[1], da * (f + 0.5));
+  add(d[1], dj * ((3.0 * f * (f + 1.0) + 1.0) / 6.0));
+  add(d[2], da);
+  add(d[2], dj);
+  add(d[2], dj * f);
+  add(d[3], dj);
 }
 
-// Where segment i begins, `into` ticks later. Measured from the nearer end of the longest segment: a sum over a long
-// cruise would lose the bits that a high jerk multiplies.
+// Where segment i begins. Measured from the nearer end of the longest segment, which takes what rounding leaves.
 class Times {
  public:
   explicit Times(const Plan& plan) : plan_(plan) {
@@ -55,15 +69,15 @@ class Times {
       if (plan.segments[i].duration_ticks > plan.segments[longest_].duration_ticks) longest_ = i;
     }
   }
-  Moment at(uint32_t segment, double into) const {
-    double ticks = 0.0;
-    if (segment <= longest_) {
-      for (uint32_t i = 0; i < segment; ++i) ticks += plan_.segments[i].duration_ticks;
-      ticks += into;
-      return from_start(ticks < plan_.duration_ticks ? ticks : plan_.duration_ticks);
+  Moment at(uint32_t segment) const {
+    const bool backwards = segment > longest_;
+    Moment moment{backwards ? plan_.duration_ticks : 0, 0.0};
+    for (uint32_t i = backwards ? plan_.segment_count : 0; i != segment; i += backwards ? 0 : 1) {
+      const double ticks = plan_.segments[backwards ? --i : i].duration_ticks;
+      moment = after(moment, backwards ? -ticks : ticks);
     }
-    for (uint32_t i = plan_.segment_count; i > segment; --i) ticks += plan_.segments[i - 1].duration_ticks;
-    return before_end(plan_.duration_ticks, ticks > into ? ticks - into : 0.0);
+    if (moment.first <= plan_.duration_ticks) return moment;
+    return Moment{backwards ? 0 : plan_.duration_ticks, 0.0};  // past its end by rounding
   }
 
  private:
@@ -78,27 +92,31 @@ constexpr double kStepTicks = 1.0 / 1024.0;
 // Where the acceleration is continuous its two figures differ by rounding, which must not become a step.
 double step_between(double before, double after) {
   const double step = after - before;
-  const double larger = math::abs(before) > math::abs(after) ? before : after;
-  return math::abs(step) <= 1e-9 * math::abs(larger) ? 0.0 : step;
+  return math::magnitude(step) <= 1e-9 * math::magnitude(before + after) ? 0.0 : step;
 }
 
 // `acceleration` and `jerk`: of the start, counts/tick^n.
 void add_segments(Track& track, const Plan& plan, double acceleration, double jerk) {
   const Times times(plan);
-  for (uint32_t i = 0; i < plan.segment_count; ++i) {
-    const Segment& segment = plan.segments[i];
+  for (uint32_t i = 0; i <= plan.segment_count; ++i) {
+    const bool ends = i == plan.segment_count;
+    const Segment segment = ends ? Segment{0.0, 0.0, 0.0} : plan.segments[i];
     const double ticks = segment.duration_ticks;
-    if (ticks < kStepTicks && segment.jerk == 0.0 && segment.acceleration != 0.0 &&
-        step_between(acceleration, segment.acceleration) != 0.0) {
-      add_change(track, times.at(i, ticks / 2.0), segment.acceleration * ticks, 0.0, 0.0);
-      continue;
+    double step = ends && jerk != 0.0 ? 0.0 : step_between(acceleration, segment.acceleration);
+    double jump = 0.0;
+    double change = segment.jerk - jerk;
+    Moment moment = times.at(i);
+    if (ticks < kStepTicks && segment.jerk == 0.0 && segment.acceleration != 0.0 && step != 0.0) {
+      jump = segment.acceleration * ticks;
+      moment = after(moment, ticks / 2.0);
+      step = 0.0;
+      change = 0.0;
+    } else {
+      acceleration = segment.acceleration + segment.jerk * ticks;
+      jerk = segment.jerk;
     }
-    add_change(track, times.at(i, 0.0), 0.0, step_between(acceleration, segment.acceleration), segment.jerk - jerk);
-    acceleration = segment.acceleration + segment.jerk * ticks;
-    jerk = segment.jerk;
+    add_change(track, moment, jump, step, change);
   }
-  const double step = jerk == 0.0 ? -acceleration : 0.0;
-  add_change(track, Moment{plan.duration_ticks, 0.0}, 0.0, step, -jerk);
 }
 
 // n (n-1) / 2 and n (n-1) (n-2) / 6, exactly.
@@ -112,12 +130,11 @@ Wide triples(uint64_t n) {
 
 // Exactly what `ticks` ticks of adding do.
 void advance(Differences& state, uint32_t ticks) {
-  const Wide one = Wide::from_int(ticks);
-  const Wide two = pairs(ticks);
+  const Wide times[3] = {Wide{ticks, 0}, pairs(ticks), triples(ticks)};
   Wide* d = state.difference;
-  d[0] += one * d[1] + two * d[2] + triples(ticks) * d[3];
-  d[1] += one * d[2] + two * d[3];
-  d[2] += one * d[3];
+  for (int to = 0; to < 3; ++to) {
+    for (int by = 0; to + by < 3; ++by) add_product(d[to], times[by], d[to + by + 1]);
+  }
 }
 
 // The state that the switches up to `tick` and the ticks between them lead to.
@@ -141,67 +158,67 @@ Differences end_of(const Track& track) {
   return added_up(track, track.duration_ticks, unused);
 }
 
-// What a third difference of 1 over the ticks [begin, end) leaves at `duration`, in powers of the duration.
-struct Effect {
-  double position;
-  double velocity;
-  double acceleration;
-};
-
-Effect effect_of(double begin, double end, double duration) {
-  const double m = end - begin;
-  const double r = duration - end;
-  const double m_2 = m * (m - 1.0) / 2.0;
-  return Effect{(m_2 * (m - 2.0) / 3.0 + m_2 * r + m * r * (r - 1.0) / 2.0) / (duration * duration * duration),
-                (m_2 + m * r) / (duration * duration), m / duration};
-}
-
-double determinant(const Effect& a, const Effect& b, const Effect& c) {
-  return a.position * (b.velocity * c.acceleration - c.velocity * b.acceleration) -
-         b.position * (a.velocity * c.acceleration - c.velocity * a.acceleration) +
-         c.position * (a.velocity * b.acceleration - b.velocity * a.acceleration);
+double determinant(const double (&row)[3][3]) {
+  double sum = 0.0;
+  for (int i = 0; i < 3; ++i) {
+    const double* b = row[(i + 1) % 3];
+    const double* c = row[(i + 2) % 3];
+    sum += row[i][0] * (b[1] * c[2] - c[1] * b[2]);
+  }
+  return sum;
 }
 
 // Three constant third differences, one over each third of the move, that take out what is missing at its end.
-void correct_end(Track& track) {
+[[gnu::noinline]] void correct_end(Track& track) {
   constexpr uint32_t kShortest = 12;  // below, what is missing is under an LSB or under 1e-13 of the limits
   const uint32_t n = track.duration_ticks;
   if (n < kShortest) return;
   const Differences end = end_of(track);
-  const double n_d = n;
-  const Effect missing{to_double(track.end.difference[0] - end.difference[0], kTrackFractionBits) / (n_d * n_d * n_d),
-                       to_double(-end.difference[1], kTrackFractionBits) / (n_d * n_d),
-                       to_double(-end.difference[2], kTrackFractionBits) / n_d};
-  const uint32_t cut[4] = {0, n / 3, n - n / 3, n};
-  Effect third[3];
-  for (int i = 0; i < 3; ++i) third[i] = effect_of(cut[i], cut[i + 1], n_d);
-  const double whole = determinant(third[0], third[1], third[2]);
-  const Wide u[3] = {wide(determinant(missing, third[1], third[2]) / whole),
-                     wide(determinant(third[0], missing, third[2]) / whole),
-                     wide(determinant(third[0], third[1], missing) / whole)};
-  Wide before{0, 0};
+  const uint32_t begin[3] = {0, n / 3, n - n / 3};
+  double missing[3];
+  double effect[3][3];  // of a third difference of 1 from begin[i] on: on position, velocity, acceleration at the end
   for (int i = 0; i < 3; ++i) {
-    at(track, cut[i]).difference[3] += u[i] - before;
-    before = u[i];
+    missing[i] = to_counts(track.end.difference[i] - end.difference[i]);
+    const double k = n - begin[i];
+    effect[i][2] = k;
+    effect[i][1] = k * (k - 1.0) / 2.0;
+    effect[i][0] = effect[i][1] * (k - 2.0) / 3.0;
+  }
+  const double whole = determinant(effect);
+  for (int i = 0; i < 3; ++i) {  // Cramer's rule
+    swap(effect[i], missing);
+    add(at(track, begin[i]).difference[3], determinant(effect) / whole);
+    swap(effect[i], missing);
   }
 }
 
-void make_switches(const Plan& plan, const Differences& start, double acceleration, double jerk, Track& out) {
+double acceleration_of(const Differences& state) { return to_counts(state.difference[2] - state.difference[3]); }
+
+void make_switches(const Plan& plan, const Differences& start, bool in_motion, Track& out) {
   out.start = start;
   out.end = start;
   out.duration_ticks = plan.duration_ticks;
   out.switch_count = 0;
-  if (plan.duration_ticks != 0) add_segments(out, plan, acceleration, jerk);
+  out.part_count = 0;
+  if (plan.duration_ticks == 0) return;
+  if (in_motion) {
+    add_segments(out, plan, acceleration_of(start), to_counts(start.difference[3]));
+  } else {
+    add_segments(out, plan, 0.0, 0.0);
+  }
+}
+
+// From `start` at the plan's own velocity.
+void make_switches(const Plan& plan, Signal start, Track& out) {
+  Differences moving = standing(start);
+  moving.difference[1] = wide(plan.start_velocity);
+  make_switches(plan, moving, false, out);
 }
 
 void end_at(Signal target, Track& track) {
   track.end = standing(target);
   if (track.duration_ticks != 0) correct_end(track);
 }
-
-double to_counts(Wide wide) { return to_double(wide, kTrackFractionBits); }
-
-double acceleration_of(const Differences& state) { return to_counts(state.difference[2] - state.difference[3]); }
 
 }  // namespace
 
@@ -212,36 +229,44 @@ StartMotion motion_of(const Differences& state, double tick_s) {
 }
 
 void Track::make(const Plan& plan, Signal start, Signal target, Track& out) {
-  Differences moving = standing(start);
-  moving.difference[1] = wide(plan.start_velocity);
-  make_switches(plan, moving, 0.0, 0.0, out);
+  if (plan.piece_count != 0) {
+    out.start = standing(start);
+    out.end = standing(target);
+    out.duration_ticks = plan.duration_ticks;
+    out.switch_count = 0;
+    out.part_count = make_curve(plan, start, target, out.parts);
+    return;
+  }
+  make_switches(plan, start, out);
   end_at(target, out);
 }
 
 void Track::make_from(const Plan& plan, const Differences& start, Signal target, Track& out) {
-  make_switches(plan, start, acceleration_of(start), to_counts(start.difference[3]), out);
+  make_switches(plan, start, true, out);
   end_at(target, out);
 }
 
 void Track::make_cruise(const Plan& plan, const Differences& start, double velocity, Track& out) {
-  make_switches(plan, start, acceleration_of(start), to_counts(start.difference[3]), out);
+  make_switches(plan, start, true, out);
   const Differences end = end_of(out);
   if (velocity == 0.0) return end_at(signal_of(end), out);
   out.end = Differences{{end.difference[0], wide(velocity)}};
 }
 
 void Track::make_uncorrected(const Plan& plan, Signal start, Track& out) {
-  Differences moving = standing(start);
-  moving.difference[1] = wide(plan.start_velocity);
-  make_switches(plan, moving, 0.0, 0.0, out);
+  make_switches(plan, start, out);
   out.end = standing(static_cast<Signal>(end_of(out).difference[0].high));
 }
 
 Differences Track::differences_at(uint64_t tick, uint32_t& next_switch) const {
+  if (tick < duration_ticks && is_curve()) {
+    next_switch = 0;
+    return differences_on(parts, part_count, static_cast<uint32_t>(tick));
+  }
   if (tick < duration_ticks) return added_up(*this, static_cast<uint32_t>(tick), next_switch);
   next_switch = switch_count;
   Differences state = end;
-  state.difference[0] += Wide{tick - duration_ticks, 0} * end.difference[1];
+  add_product(state.difference[0], Wide{tick - duration_ticks, 0}, end.difference[1]);
   return state;
 }
 

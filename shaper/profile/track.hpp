@@ -7,6 +7,7 @@
 
 #include "shaper/base/signal.hpp"
 #include "shaper/base/wide.hpp"
+#include "shaper/profile/curve.hpp"
 #include "shaper/profile/plan.hpp"
 #include "shaper/profile/plan_from.hpp"
 
@@ -45,7 +46,13 @@ struct Track {
   Differences end;  // position and velocity at and after the last tick; the velocity is 0 for a move to rest
   uint32_t duration_ticks;
   uint32_t switch_count;
-  Switch switches[kMaxSwitches];  // ticks rise
+  uint32_t part_count;  // not 0: a curve, whose parts lie where the switches would
+  union {
+    Switch switches[kMaxSwitches];  // ticks rise
+    CurvePart parts[kMaxPieces];
+  };
+
+  bool is_curve() const { return part_count != 0; }
 
   // All of these: background. The plan's position unit is the count.
 
@@ -61,22 +68,22 @@ struct Track {
   // To the velocity that the plan ends at, `velocity` counts/tick, and on at it for ever.
   static void make_cruise(const Plan& plan, const Differences& start, double velocity, Track& out);
 
-  // The plan as it is, ending where its own numbers lead: what `make` begins with.
+  // The plan as it is, ending where its own numbers lead: what `make` begins with. Of segments only.
   static void make_uncorrected(const Plan& plan, Signal start, Track& out);
 
   Signal target() const { return static_cast<Signal>(end.difference[0].high); }
   bool cruises() const { return end.difference[1] != Wide{0, 0}; }
 
   // The state that `tick` ticks lead to, what begins at that tick included, and which switch comes next. From the last
-  // tick on: the end, moved on at its velocity.
+  // tick on: the end, moved on at its velocity. On a curve those of its value, velocity and acceleration there.
   Differences differences_at(uint64_t tick, uint32_t& next_switch) const;
 };
 
 // Velocity and acceleration there, in counts and seconds.
 StartMotion motion_of(const Differences& state, double tick_s);
 
-// Walks along a track. Tick context: additions only; 3 of 128 bits a tick, 4 more where a segment begins. Positions
-// wrap at the end of their range.
+// Walks along a track. Tick context: additions only; 3 of 128 bits a tick, 4 more where a segment begins; on a curve
+// see CurveWalk. Positions wrap at the end of their range.
 class Sampler {
  public:
   // Stands at `position`.
@@ -101,6 +108,7 @@ class Sampler {
   uint32_t next_switch_ = 0;
   Signal position_ = 0;
   Differences state_ = {};
+  CurveWalk walk_;  // on a curve, until its end
 };
 
 }  // namespace stillpoint

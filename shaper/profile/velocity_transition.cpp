@@ -11,92 +11,80 @@ namespace {
 
 double lesser(double a, double b) { return a < b ? a : b; }
 
-double half_square(double a) { return a * a / 2.0; }
+[[gnu::noinline]] double half_square(double a) { return a * a / 2.0; }
 
 // A change upwards; `sign` turns it round for one downwards.
 class Rise {
  public:
   Rise(const Motion& from, double sign, PhaseList& phases)
-      : velocity_(sign * from.velocity),
-        acceleration_(sign * from.acceleration),
-        rounding_(4.0 * DBL_EPSILON * (math::abs(from.velocity) + math::square(from.acceleration))),
-        sign_(sign),
-        phases_(phases) {}
+      : velocity_(sign * from.velocity), acceleration_(sign * from.acceleration), sign_(sign), phases_(phases) {}
 
-  void to(double target, const AccelerationPair& limits) {
-    if (acceleration_ < 0.0) {
-      const double turn = velocity_ - half_square(acceleration_);
-      jerk_to(0.0, turn);
+  double velocity() const { return sign_ * velocity_; }
+
+  void to(double target, double rounding, const BothRamps& limits) {
+    if (acceleration_ < 0.0) let_go(limits);
+    if (target - velocity_ <= rounding && acceleration_ == 0.0) return;
+    if (velocity_ < 0.0) {
+      const double level = half_square(limits.up.acceleration);
+      rise_to(lesser(target, 0.0), target > 0.0 ? lesser(level, limits.up.jerk * target) : 0.0, limits.down);
     }
-    if (target - velocity_ <= rounding_ && acceleration_ == 0.0) return;
-    if (velocity_ < 0.0)
-      zone(limits.deceleration, lesser(half_square(limits.acceleration), target), lesser(0.0, target));
-    if (target > 0.0) zone(limits.acceleration, target, target);
+    if (target > 0.0) rise_to(target, 0.0, limits.up);
+  }
+
+  // Of an acceleration below zero: by the jerk of slowing down as far as v = 0, then by the other.
+  void let_go(const BothRamps& limits) {
+    if (velocity_ > 0.0) {
+      const double rest = half_square(acceleration_) - limits.down.jerk * velocity_;
+      if (rest <= 0.0) return jerk_to(0.0, limits.down.jerk);
+      jerk_to_end(-acceleration_at(rest), 0.0, limits.down.jerk);
+    }
+    jerk_to(0.0, limits.up.jerk);
   }
 
  private:
-  void jerk_to(double acceleration, double velocity) {
-    const double change = acceleration - acceleration_;
-    phases_.append(Phase{math::abs(change), sign_ * acceleration_, change < 0.0 ? -sign_ : sign_});
-    acceleration_ = acceleration;
-    velocity_ = velocity;
-  }
-  void hold_to(double velocity) {
-    phases_.append(Phase{(velocity - velocity_) / acceleration_, sign_ * acceleration_, 0.0});
-    velocity_ = velocity;
-  }
-  // Along the line of full jerk (slope +1 or -1) to the velocity `end`.
-  void jerk_along(double slope, double end) {
-    const double square = 2.0 * (half_square(acceleration_) + slope * (end - velocity_));
-    jerk_to(square > 0.0 ? math::sqrt(square) : 0.0, end);
-  }
-
-  // From outside: true where letting go takes the whole zone.
-  bool let_go(double ceiling, double line, double end) {
-    double energy = half_square(acceleration_);
-    const double over = energy - half_square(ceiling);
-    if (over > 0.0) {
-      if (velocity_ + over >= end) {
-        jerk_along(-1.0, end);
-        return true;
-      }
-      jerk_to(ceiling, velocity_ + over);
-      energy = half_square(ceiling);
-    }
-    if (energy <= line - velocity_) return false;
-    jerk_along(-1.0, end);
-    if (line <= end) finish();
-    return true;
-  }
-
-  // Below the level of the acceleration `ceiling` and the line e = line - v, to the velocity `end` <= line.
-  void zone(double ceiling, double line, double end) {
-    if (let_go(ceiling, line, end)) return;
+  // To the velocity `end` within limits that hold all the way; at its end the energy is `end_energy` at the most.
+  void rise_to(double end, double end_energy, const RampLimits& limits) {
     const double energy = half_square(acceleration_);
-    const double level = half_square(ceiling);
-    const double apex = (line - velocity_ + energy) / 2.0;
-    const bool holds = apex > level;
-    const double top = holds ? level : apex;
-    const double top_velocity = velocity_ + (top - energy);
-    if (line > end && top_velocity >= end) return jerk_along(1.0, end);
-    jerk_to(holds ? ceiling : math::sqrt(2.0 * top), top_velocity);
-    if (holds) {
-      const double release = line - level;
-      if (line > end && release >= end) return hold_to(end);
-      hold_to(release);
+    const double level = half_square(limits.acceleration);
+    const double climb = limits.jerk * (end - velocity_);
+    const double least = lesser(level, end_energy);
+    if (energy - climb > least)
+      return end_energy > 0.0 ? fall_to(end, energy - climb, limits.jerk) : jerk_to(0.0, limits.jerk);
+    if (energy + climb <= least) return jerk_to_end(acceleration_at(energy + climb), end, limits.jerk);
+    const double apex = (climb + end_energy + energy) / 2.0;
+    jerk_to(apex > level ? limits.acceleration : acceleration_at(apex), limits.jerk);
+    if (apex > level) append((end - (level - least) / limits.jerk - velocity_) / acceleration_, acceleration_, 0.0);
+    if (end_energy == 0.0 || (end_energy < level && lesser(apex, level) <= climb)) {
+      jerk_to(acceleration_at(end_energy), limits.jerk);
+    } else if (end_energy < level) {
+      fall_to(end, end_energy, limits.jerk);
     }
-    if (line > end) return jerk_to(math::sqrt(2.0 * (line - end)), end);
-    jerk_to(0.0, end);
+    velocity_ = end;
   }
 
-  // What rounding has left of the acceleration where there must be none.
-  void finish() {
-    if (acceleration_ > 0.0) jerk_to(0.0, velocity_);
+  void fall_to(double end, double energy, double jerk) { jerk_to_end(acceleration_at(energy), end, -jerk); }
+
+  static double acceleration_at(double energy) { return energy > 0.0 ? math::sqrt(2.0 * energy) : 0.0; }
+
+  void jerk_to(double acceleration, double jerk) {
+    const double change = acceleration - acceleration_;
+    append(math::magnitude(change) / jerk, acceleration, change < 0.0 ? -jerk : jerk);
+  }
+
+  // The same where the velocity at its end is known better than the change of acceleration: a jerk may be next to none.
+  [[gnu::noinline]] void jerk_to_end(double acceleration, double end, double jerk) {
+    append(2.0 * (end - velocity_) / (acceleration_ + acceleration), acceleration, jerk);
+    velocity_ = end;
+  }
+
+  void append(double ticks, double end_acceleration, double jerk) {
+    phases_.append(Phase{ticks, sign_ * acceleration_, sign_ * jerk});
+    velocity_ += (acceleration_ + end_acceleration) / 2.0 * ticks;
+    acceleration_ = end_acceleration;
   }
 
   double velocity_;
   double acceleration_;
-  double rounding_;
   double sign_;
   PhaseList& phases_;
 };
@@ -113,15 +101,34 @@ void PhaseList::append(const Phase& next) {
 }
 
 Motion advanced(const Motion& from, double jerk, double ticks) {
-  const double a = from.acceleration;
-  return Motion{from.position + ticks * (from.velocity + ticks * (a / 2.0 + ticks * (jerk / 6.0))),
-                from.velocity + ticks * (a + ticks * (jerk / 2.0)), a + jerk * ticks};
+  constexpr double kOver[] = {1.0, 1.0 / 2.0, 1.0 / 3.0};
+  const double derivative[] = {from.position, from.velocity, from.acceleration};
+  double result[3];
+  for (int k = 0; k < 3; ++k) {  // Taylor's series, from its end
+    double sum = jerk;
+    for (int i = 2; i >= k; --i) {
+      sum *= ticks;
+      if (i > k) sum *= kOver[i - k];
+      sum += derivative[i];
+    }
+    result[k] = sum;
+  }
+  return Motion{result[0], result[1], result[2]};
 }
 
-void append_transition(const Motion& from, double velocity, const AccelerationPair& limits, PhaseList& phases) {
-  const double let_go = from.velocity + math::copysign(half_square(from.acceleration), from.acceleration);
+void append_transition(const Motion& from, double velocity, const BothRamps& limits, PhaseList& phases) {
+  PhaseList unused;
+  const double let_go = from.acceleration == 0.0 ? from.velocity : append_let_go(from, limits, unused);
   const double sign = let_go > velocity ? -1.0 : 1.0;
-  Rise(from, sign, phases).to(sign * velocity, limits);
+  const double rounding =
+      4.0 * DBL_EPSILON * (math::magnitude(from.velocity) + 2.0 * math::magnitude(let_go - from.velocity));
+  Rise(from, sign, phases).to(sign * velocity, rounding, limits);
+}
+
+double append_let_go(const Motion& from, const BothRamps& limits, PhaseList& phases) {
+  Rise rise(from, from.acceleration > 0.0 ? -1.0 : 1.0, phases);
+  rise.let_go(limits);
+  return rise.velocity();
 }
 
 }  // namespace stillpoint

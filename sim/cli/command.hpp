@@ -66,5 +66,6 @@ void add_move(Commands& commands, Output& output);
 void add_hil(Commands& commands, Output& output);
 void add_demo(Commands& commands, Output& output);
 void add_park(Commands& commands, Output& output);
+void add_table(Commands& commands, Output& output);
 
 }  // namespace stillpoint::cli

@@ -61,7 +61,7 @@ Json json_of_rounded(const MoveJob& job) {
   Json shapers = Json::array();
   for (const sim::SpecifiedShaper& spec : job.specs) shapers.push_back(sim::spec_text(spec));
   return {{"distance_counts", job.plain.distance_counts},
-          {"kind", kind_name(job.plain.kind)},
+          {"kind", profile_text(job.plain.profile)},
           {"velocity", job.plain.limits.velocity / unit},
           {"acceleration", job.plain.limits.acceleration / unit},
           {"deceleration", job.plain.limits.deceleration / unit},

@@ -20,5 +20,6 @@ int main(int argc, char** argv) {
   stillpoint::cli::add_hil(commands, output);
   stillpoint::cli::add_demo(commands, output);
   stillpoint::cli::add_park(commands, output);
+  stillpoint::cli::add_table(commands, output);
   return commands.main(argc, argv, output);
 }

@@ -5,14 +5,17 @@
 #include <memory>
 
 #include "sim/cli/command.hpp"
+#include "sim/cli/move_fastest.hpp"
 #include "sim/cli/move_job.hpp"
 #include "sim/cli/move_output.hpp"
 
 namespace stillpoint::cli {
 namespace {
 
-int run(const MoveJobOptions& options, const Output& output) {
+int run(const MoveJobOptions& options, const FastestOptions& fastest, const Output& output) {
   check_output(output);
+  if (fastest.fastest) return run_fastest(options, fastest, output);
+  refuse_fastest_alone(fastest);
   const MoveJob job = job_of(options);
   const sim::Comparison comparison = run_on_host(job);
   const bool within = comparison.within_limits;
@@ -21,9 +24,11 @@ int run(const MoveJobOptions& options, const Output& output) {
   if (output.json) {
     Json object = {{"result", within ? "ok" : "limits_broken"}};
     object.update(json_of(comparison));
+    add_timing(object, comparison.shaped.report);
     print_json(object);
   } else {
     print_comparison(comparison);
+    print_timing(comparison.shaped.report);
   }
   return exit_code_of(within);
 }
@@ -32,9 +37,11 @@ int run(const MoveJobOptions& options, const Output& output) {
 
 void add_move(Commands& commands, Output& output) {
   const auto options = std::make_shared<MoveJobOptions>();
+  const auto fastest = std::make_shared<FastestOptions>();
   CLI::App& app = commands.add("move", "Runs a move plain and shaped on the simulated arm.",
-                               [options, &output] { return run(*options, output); });
+                               [options, fastest, &output] { return run(*options, *fastest, output); });
   add_move_job(app, *options);
+  add_fastest(app, *fastest);
   add_output(app, output);
 }
 

@@ -121,6 +121,17 @@ void print_comparison(const sim::Comparison& comparison) {
   fmt::print("zero delay met: {}\n", yes_no(comparison.zero_delay_met));
 }
 
+void print_timing(const MoveReport& report) {
+  fmt::print("timing of the shaped move: {}, {} ticks", text(report.timing), report.total_ticks);
+  fmt::print(report.binding == Quantity::kNone ? "\n" : ", bound by {}\n", text(report.binding));
+}
+
+void add_timing(Json& object, const MoveReport& report) {
+  object["shaped"]["timing"] = text(report.timing);
+  object["shaped"]["binding"] = report.binding == Quantity::kNone ? Json(nullptr) : Json(text(report.binding));
+  object["shaped"]["total_ticks"] = report.total_ticks;
+}
+
 void write_move_csv(const std::string& path, const std::string& command, const MoveJob& job,
                     const sim::Comparison& comparison) {
   CsvFile csv(

@@ -20,6 +20,9 @@ Json json_of(const sim::Comparison& comparison);
 Table figures_table();
 void add_figures(Table& table, const std::string& name, const sim::MoveFigures& figures, double residual_ratio);
 void print_comparison(const sim::Comparison& comparison);
+// How the axis timed the shaped move and what bound it: of a move on the host, the drive's registers do not hold it.
+void print_timing(const MoveReport& report);
+void add_timing(Json& object, const MoveReport& report);
 
 // Setpoint, motor, arm and acceleration of both moves until the plain one has settled and some time more.
 void write_move_csv(const std::string& path, const std::string& command, const MoveJob& job,

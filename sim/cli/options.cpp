@@ -36,11 +36,9 @@ int32_t distance_counts(const MoveOptions& options, double counts_per_unit) {
 }
 
 // Left out: an s-curve where a jerk is given to plan it with, a trapezoid where not.
-ProfileKind kind_of(const MoveOptions& options) {
-  if (options.kind.empty()) return options.jerk.empty() ? ProfileKind::kTrapezoid : ProfileKind::kSCurve;
-  if (options.kind == "s-curve") return ProfileKind::kSCurve;
-  if (options.kind == "trapezoid") return ProfileKind::kTrapezoid;
-  throw bad_argument("--kind", options.kind, "not a known kind of profile, accepted: s-curve trapezoid");
+sim::SpecifiedProfile profile_of(const MoveOptions& options) {
+  if (options.kind.empty()) return sim::parse_profile(options.jerk.empty() ? "trapezoid" : "s-curve");
+  return sim::parse_profile(options.kind);
 }
 
 // What a limit in units is in counts. Beyond the range of doubles it would no longer be one.
@@ -83,7 +81,10 @@ void add_limits(CLI::App& app, LimitOptions& options) {
   add_value(app, "--velocity", options.velocity, "V", "velocity limit [unit/s]");
   add_value(app, "--acceleration", options.acceleration, "A", "acceleration limit [unit/s^2]");
   add_value(app, "--deceleration", options.deceleration, "D", "deceleration limit [unit/s^2] (default: acceleration)");
-  add_value(app, "--jerk", options.jerk, "J", "jerk limit [unit/s^3]; the s-curve needs it");
+  add_value(app, "--jerk", options.jerk, "J",
+            "jerk limit [unit/s^3]; all need it but the trapezoid and tables of order 1");
+  add_value(app, "--deceleration-jerk", options.deceleration_jerk, "J",
+            "jerk limit while slowing down [unit/s^3] (default: jerk)");
   add_value(app, "--counts-per-unit", options.counts_per_unit, "N", "drive counts a unit (default 1000000)");
 }
 
@@ -96,13 +97,18 @@ AxisLimits limits_of(const LimitOptions& options) {
   limits.deceleration =
       options.deceleration.empty() ? limits.acceleration : in_counts(options.deceleration, "--deceleration", unit);
   limits.jerk = in_counts(needed(options.jerk, "--jerk", "a jerk limit"), "--jerk", unit);
+  if (!options.deceleration_jerk.empty())
+    limits.deceleration_jerk = in_counts(options.deceleration_jerk, "--deceleration-jerk", unit);
   return limits;
 }
 
 void add_move_options(CLI::App& app, MoveOptions& options) {
   add_value(app, "--distance", options.distance, "D", "signed distance to move [unit]");
   add_limits(app, options);
-  add_value(app, "--kind", options.kind, "KIND", "s-curve or trapezoid (default: s-curve if there is a jerk limit)");
+  add_value(
+      app, "--kind", options.kind, "KIND",
+      "s-curve, trapezoid, sin2, poly5, poly7, table:FILE (of `stillpoint table`) or matched:F:Z (an s-curve that "
+      "leaves the mode of F Hz and damping ratio Z still) (default: s-curve if there is a jerk limit)");
   add_value(app, "--duration", options.duration, "T", "wanted duration [s] (default: the least the limits allow)");
   add_tick(app, options.tick);
 }
@@ -113,34 +119,41 @@ sim::MoveTask task_of(const MoveOptions& options) {
   const double unit = parse_positive(options.counts_per_unit, "--counts-per-unit");
   task.counts_per_unit = unit;
   task.distance_counts = distance_counts(options, unit);
-  task.kind = kind_of(options);
-  task.limits.velocity = in_counts(needed(options.velocity, "--velocity", "a velocity limit"), "--velocity", unit);
-  task.limits.acceleration =
-      in_counts(needed(options.acceleration, "--acceleration", "an acceleration limit"), "--acceleration", unit);
-  task.limits.deceleration =
-      options.deceleration.empty() ? task.limits.acceleration : in_counts(options.deceleration, "--deceleration", unit);
-  // A trapezoid does not look at it, but an axis wants to see a limit.
-  task.limits.jerk = task.limits.acceleration / task.tick_s;
-  if (task.kind == ProfileKind::kSCurve || !options.jerk.empty()) {
-    task.limits.jerk = in_counts(needed(options.jerk, "--jerk", "a jerk limit for the s-curve"), "--jerk", unit);
+  task.profile = profile_of(options);
+  // Kinds without a jerk limit do not look at it, but an axis wants to see one.
+  MoveOptions limits = options;
+  if (task.profile.jerk_limited()) {
+    limits.jerk = needed(options.jerk, "--jerk", "a jerk limit for the " + profile_text(task.profile));
+  } else if (options.jerk.empty()) {
+    limits.jerk = "1";
+  }
+  task.limits = limits_of(limits);
+  if (options.jerk.empty()) {
+    task.limits.jerk = task.limits.acceleration / task.tick_s;
+    task.limits.deceleration_jerk = 0.0;
   }
   if (!options.duration.empty()) task.duration_s = parse_positive(options.duration, "--duration");
   return task;
 }
 
-const char* kind_name(ProfileKind kind) { return kind == ProfileKind::kTrapezoid ? "trapezoid" : "s-curve"; }
-
 Settings settings_of(const sim::MoveTask& task) {
   const double unit = task.counts_per_unit;
   Settings settings = {
       {"distance", sim::shortest(task.distance_counts / unit) + " unit"},
-      {"kind", kind_name(task.kind)},
+      {"kind", profile_text(task.profile)},
       {"velocity limit", sim::shortest(task.limits.velocity / unit) + " unit/s"},
       {"acceleration limit", sim::shortest(task.limits.acceleration / unit) + " unit/s^2"},
       {"deceleration limit", sim::shortest(task.limits.deceleration / unit) + " unit/s^2"},
   };
-  if (task.kind == ProfileKind::kSCurve) {
+  if (task.profile.jerk_limited()) {
     settings.emplace_back("jerk limit", sim::shortest(task.limits.jerk / unit) + " unit/s^3");
+    if (task.limits.deceleration_jerk != 0.0)
+      settings.emplace_back("deceleration jerk limit",
+                            sim::shortest(task.limits.deceleration_jerk / unit) + " unit/s^3");
+  }
+  if (!task.from_rest()) {
+    settings.emplace_back("start velocity", sim::shortest(task.start.velocity / unit) + " unit/s");
+    settings.emplace_back("start acceleration", sim::shortest(task.start.acceleration / unit) + " unit/s^2");
   }
   settings.emplace_back("duration", task.duration_s > 0.0 ? sim::shortest(task.duration_s) + " s" : "least");
   settings.emplace_back("counts per unit", sim::shortest(unit));

@@ -30,12 +30,13 @@ struct LimitOptions {
   std::string acceleration;
   std::string deceleration;
   std::string jerk;
+  std::string deceleration_jerk;
   std::string counts_per_unit = "1000000";
 
-  bool given() const { return !(velocity + acceleration + deceleration + jerk).empty(); }
+  bool given() const { return !(velocity + acceleration + deceleration + jerk + deceleration_jerk).empty(); }
 };
 void add_limits(CLI::App& app, LimitOptions& options);
-// In counts; all of them are needed, but for the deceleration. Refuses by the option's name.
+// In counts; all of them are needed, but for those of the deceleration. Refuses by the option's name.
 AxisLimits limits_of(const LimitOptions& options);
 
 // What `profile` knows of a move.
@@ -49,7 +50,6 @@ void add_move_options(CLI::App& app, MoveOptions& options);
 // In counts. Refuses by the option's name.
 sim::MoveTask task_of(const MoveOptions& options);
 
-const char* kind_name(ProfileKind kind);
 // The task in units, for the head of a CSV file.
 Settings settings_of(const sim::MoveTask& task);
 

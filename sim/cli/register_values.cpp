@@ -18,6 +18,7 @@ constexpr double kDampingPerOne = 1e5;
 constexpr double kTolerancePerOne = 1e4;
 constexpr double kSpacingPerPeriod = 1e4;
 constexpr int16_t kTrapezoidType = 0;
+constexpr int16_t kSin2Type = 1;
 constexpr int16_t kSCurveType = 3;
 
 // `value` in the register's unit; `shown` as the user gave it, in a unit of `per_shown` register units.
@@ -29,6 +30,17 @@ uint32_t to_register(const std::string& what, double value, double per_shown, do
                               sim::shortest(high / per_shown) + " is accepted");
 }
 
+int16_t type_of(const sim::SpecifiedProfile& profile) {
+  switch (profile.kind) {
+    case ProfileKind::kTrapezoid: return kTrapezoidType;
+    case ProfileKind::kSin2: return kSin2Type;
+    case ProfileKind::kSCurve: return kSCurveType;
+    default:
+      throw sim::bad_argument("--kind", profile_text(profile),
+                              "not in the drive's register of profile types, s-curve, trapezoid and sin2 are accepted");
+  }
+}
+
 sim::MoveTask rounded(const sim::MoveTask& task) {
   const MoveRegisters registers = registers_of(task);
   sim::MoveTask exact = task;
@@ -36,6 +48,7 @@ sim::MoveTask rounded(const sim::MoveTask& task) {
   exact.limits.acceleration = registers.acceleration;
   exact.limits.deceleration = registers.deceleration;
   exact.limits.jerk = registers.jerk * firmware::kJerkUnit;
+  exact.limits.deceleration_jerk = 0.0;
   exact.duration_s = registers.duration_ms / kMsPerSecond;
   return exact;
 }
@@ -55,10 +68,13 @@ MoveRegisters registers_of(const sim::MoveTask& task) {
   registers.velocity = to_register("velocity", task.limits.velocity, unit, 1.0, kMost);
   registers.acceleration = to_register("acceleration", task.limits.acceleration, unit, 1.0, kMost);
   registers.deceleration = to_register("deceleration", task.limits.deceleration, unit, 1.0, kMost);
-  const bool trapezoid = task.kind == ProfileKind::kTrapezoid;
+  registers.kind = type_of(task.profile);
   // The trapezoid takes no notice of its jerk; any will do.
+  const bool trapezoid = registers.kind == kTrapezoidType;
+  if (!trapezoid && task.limits.braking_jerk() != task.limits.jerk)
+    throw sim::bad_argument("--deceleration-jerk", sim::shortest(task.limits.deceleration_jerk / unit),
+                            "the drive has one register of jerk, that of --jerk is accepted");
   registers.jerk = trapezoid ? 1U : to_register("jerk", jerk, unit / firmware::kJerkUnit, 1.0, kMost);
-  registers.kind = trapezoid ? kTrapezoidType : kSCurveType;
   // A duration of nothing means the least; one asked for is not rounded to that.
   const double shortest_ms = task.duration_s > 0.0 ? 1.0 : 0.0;
   registers.duration_ms = to_register("duration", task.duration_s * kMsPerSecond, kMsPerSecond, shortest_ms, kMost);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Host nanoseconds a tick. For comparing two builds on one machine; nothing is asserted.
+// Host nanoseconds a tick and a plan. For comparing two builds on one machine; nothing is asserted.
 #include <benchmark/benchmark.h>
 
 #include <string>
@@ -43,6 +43,38 @@ void shaper_tick(benchmark::State& state) {
     input += 123456789;
   }
 }
+
+// In the mean over the same random tasks.
+template <typename Planner>
+void plan(benchmark::State& state, const Planner& planner) {
+  constexpr size_t kTasks = 1024;
+  static PlanTask tasks[kTasks];
+  testing::Random random(1);
+  for (PlanTask& task : tasks) task = random_plan_task(random);
+  size_t next = 0;
+  bool accepted = true;
+  for (auto _ : state) {
+    Plan made{};
+    accepted = planner(tasks[next++ % kTasks], made).ok() && accepted;
+    benchmark::DoNotOptimize(made);
+  }
+  if (!accepted) state.SkipWithError("refused");
+}
+
+void plan_rest_to_rest(benchmark::State& state) {
+  plan(state, [](const PlanTask& task, Plan& made) {
+    return plan_rest_to_rest(task.distance, task.limits, ProfileKind::kSCurve, kTickS, made);
+  });
+}
+
+void plan_from_any_state(benchmark::State& state) {
+  plan(state, [](const PlanTask& task, Plan& made) {
+    return plan_from(task.start, task.distance, task.limits, kTickS, made);
+  });
+}
+
+BENCHMARK(plan_rest_to_rest);
+BENCHMARK(plan_from_any_state);
 
 // One a scenario, by its name.
 [[maybe_unused]] const bool kRegistered = [] {

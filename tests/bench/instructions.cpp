@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Instructions a tick. See counting.hpp.
+#include "shaper/profile/stop_ramp.hpp"
+#include "shaper/profile/stream_limiter.hpp"
 #include "tests/bench/counting.hpp"
 #include "tests/bench/scenarios.hpp"
 
@@ -111,6 +113,71 @@ TEST_F(Counting, a_blend_is_counted) {
   print_row("Axis::tick", ticks);
   print_row("search", search);
   print_row("no room", fruitless);
+}
+
+// A stream that passes, one that has to be caught up with after a step, and one that is nothing but noise.
+TEST_F(Counting, a_limited_stream_is_counted) {
+  StreamLimits limits{};
+  TEST_ASSERT_OK(StreamLimits::make(kLimits, kTickS, limits));
+  StreamLimiter limiter;
+  Count passing, catching_up, noise;
+  TEST_ASSERT_OK(axis.configure(kAxis));
+  axis.reset(0);
+  TEST_ASSERT_OK(axis.command(kMove, nullptr));
+  limiter.start(limits, StreamPolicy::kClamp, 0, 0, 0, 0);
+  do {
+    const Signal input = axis.tick();
+    measure(passing, [input, &limiter] { static_cast<void>(limiter.tick(input)); });
+  } while (axis.state().phase != AxisPhase::kAtRest);
+  TEST_ASSERT_EQUAL_UINT32(0, limiter.limited_ticks());
+  do {
+    measure(catching_up, [&limiter] { static_cast<void>(limiter.tick(0)); });
+  } while (limiter.limiting());
+  testing::Random random(1);
+  for (int tick = 0; tick < 2000; ++tick) {
+    const auto input = static_cast<Signal>(random.next()) >> (tick / 32);
+    measure(noise, [input, &limiter] { static_cast<void>(limiter.tick(input)); });
+  }
+  axis.reset(0);
+  print("\ninstructions of StreamLimiter::tick\n");
+  print_left("", 16), print("     least      mean      most\n");
+  print_row("passing", passing);
+  print_row("catching up", catching_up);
+  print_row("noise", noise);
+}
+
+// A quick stop from everywhere in the reference move, and one whose divisions are as long as can be.
+TEST_F(Counting, a_stop_is_counted) {
+  TEST_ASSERT_OK(axis.configure(kAxis));
+  StopLimits limits{};
+  TEST_ASSERT_OK(StopLimits::make(kAxis.quick_stop_deceleration, 4e9, kTickS, limits));
+  Count stop, longest;
+  StopRamp ramp;
+  for (int from = 10; from < 1500; from += 100) {
+    axis.reset(0);
+    TEST_ASSERT_OK(axis.command(kMove, nullptr));
+    Signal outputs[3] = {};
+    for (int tick = 0; tick < from; ++tick) {
+      outputs[2] = outputs[1];
+      outputs[1] = outputs[0];
+      outputs[0] = axis.tick();
+    }
+    ramp.start(limits, outputs[0], outputs[1], outputs[2]);
+    while (!ramp.at_rest()) measure(stop, [&ramp] { static_cast<void>(ramp.tick()); });
+  }
+  for (int jerk_bits = 0; jerk_bits < 62; ++jerk_bits) {
+    const int64_t jerk = INT64_C(1) << jerk_bits;
+    for (int state_bits = jerk_bits; state_bits < 62; ++state_bits) {
+      ramp.start(StopLimits{INT64_C(1) << 61, jerk}, 0, -(INT64_C(1) << state_bits), 0);
+      for (int tick = 0; tick < 4; ++tick) measure(longest, [&ramp] { static_cast<void>(ramp.tick()); });
+    }
+  }
+  axis.reset(0);
+  print("\ninstructions of StopRamp::tick\n");
+  print_left("", 16), print("     least      mean      most\n");
+  print_row("reference move", stop);
+  print_row("any numbers", longest);
+  TEST_ASSERT_AT_MOST_INT64(1500, longest.most());
 }
 
 }  // namespace

@@ -4,7 +4,9 @@
 #pragma once
 
 #include "shaper/axis/axis.hpp"
+#include "shaper/profile/plan_from.hpp"
 #include "shaper/shaping/design.hpp"
+#include "tests/support/random.hpp"
 
 namespace stillpoint::bench {
 
@@ -14,6 +16,27 @@ constexpr AxisConfig kAxis{kTickS, kLimits, 100e6, 100e9};
 constexpr Move kMove{1700000, ProfileKind::kSCurve, kLimits, 0.0, false};
 constexpr Move kMoveBack{0, ProfileKind::kSCurve, kLimits, 0.0, false};
 constexpr size_t kCapacity = 1024;
+
+// A move to plan: limits around those of the reference move, up and down apart, and a state of motion within them.
+struct PlanTask {
+  AxisLimits limits;
+  StartMotion start;
+  double distance;
+};
+
+inline PlanTask random_plan_task(testing::Random& random) {
+  const auto around = [&](double value) { return value * random.between(0.3, 3.0); };
+  PlanTask task{};
+  task.limits = AxisLimits{around(kLimits.velocity), around(kLimits.acceleration), around(kLimits.deceleration),
+                           around(kLimits.jerk), around(kLimits.jerk)};
+  task.start.velocity = 0.5 * task.limits.velocity * random.between(-1.0, 1.0);
+  task.start.acceleration = 0.3 * task.limits.acceleration * random.between(-1.0, 1.0);
+  // From a thousandth of the reference move to all of it: with a cruise and without.
+  const double part = random.between(0.001, 1.0);
+  const auto counts = static_cast<int32_t>(kMove.target_counts * part * part * part) + 1;
+  task.distance = random.next() % 2 == 0 ? counts : -counts;
+  return task;
+}
 
 struct Scenario {
   const char* name;

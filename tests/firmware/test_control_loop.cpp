@@ -201,7 +201,7 @@ TEST(a_fault_ramps_to_rest_within_the_quick_stop_limits) {
     TEST_ASSERT_FALSE(rig.servo.enabled());
     const std::vector<hal::ServoCommand>& stream = rig.servo.commands;
     size_t last_change = 0;
-    for (size_t i = before + 3; i < stream.size(); ++i) {
+    for (size_t i = before; i < stream.size(); ++i) {
       const auto d1 = static_cast<double>(stream[i].setpoint - stream[i - 1].setpoint);
       const auto d2 = d1 - static_cast<double>(stream[i - 1].setpoint - stream[i - 2].setpoint);
       const auto d2_before = static_cast<double>(stream[i - 1].setpoint - stream[i - 2].setpoint) -

@@ -5,7 +5,7 @@ import struct
 import subprocess
 
 Symbol = collections.namedtuple("Symbol", "name address size kind section")
-Section = collections.namedtuple("Section", "name address size data allocated")
+Section = collections.namedtuple("Section", "name address size data allocated comdat")
 FUNCTION = 2  # STT_FUNC
 
 
@@ -28,7 +28,7 @@ class Elf:
         self.symbols = []
         for name, kind, flags, address, offset, size, link, *_ in headers:
             data = b"" if kind == 8 else raw[offset:offset + size]  # SHT_NOBITS
-            self.sections.append(Section(text(names_index, name), address, size, data, flags & 2 != 0))
+            self.sections.append(Section(text(names_index, name), address, size, data, flags & 2 != 0, flags & 0x200 != 0))
             if kind == 2:  # SHT_SYMTAB
                 for at in range(offset, offset + size, 16):
                     label, value, length, info, _, section = struct.unpack_from("<IIIBBH", raw, at)

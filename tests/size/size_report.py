@@ -13,24 +13,42 @@ import sys
 import elf
 
 # Bytes of flash and RAM. The library has no statics. The image's RAM has the delay lines in it (32 KB) and not the stack.
-# The library grew with the shaper family (designed on the chip) and the planner from any state; an image takes only
-# what it calls.
+# The library grew with the shaper family (designed on the chip), the planner from any state, the kinds of profile and the
+# identification; an image takes only what it calls.
 BUDGET = {"library": (144 * 1024, 0), "image": (96 * 1024, 64 * 1024)}
+
+# Of one module: what the linker keeps of it if an image calls all of it. Of shaper/profile these are the moves that
+# every axis has: S-curve and trapezoid, from rest and from any state, to a target and to a velocity, their tracks, the
+# stop. What an image may leave out is counted apart.
+MODULE_BUDGET = {"shaper/profile": 16 * 1024}
+APART = {"curves": ("built_in_tables", "curve", "curve_plan", "profile_table", "table_peaks"), "matched": ("matched",),
+         "streams": ("approach_curve", "stream_limiter", "stream_limits"), "hardware": ("hardware_limits",)}
 
 FLASH, RAM = 0, 1
 
 
 def by_module_of_library(tree):
     sizes = collections.defaultdict(lambda: [0, 0])
+    once = {}  # of which the linker keeps one copy: {name: (size, modules that carry it)}
     home = tree / "shaper/CMakeFiles/stillpoint_shaper.dir"
     for path in home.rglob("*.obj"):
-        used = sizes["shaper/" + path.relative_to(home).parent.as_posix()]
+        module = "shaper/" + path.relative_to(home).parent.as_posix()
+        apart = [name for name, files in APART.items() if path.name.split(".")[0] in files]
+        module += f" ({apart[0]})" if module == "shaper/profile" and apart else ""
+        used = sizes[module]
         for section in elf.Elf(path).sections:
-            if section.allocated and not section.name.startswith(".ARM"):
-                if not section.name.startswith(".bss"):
-                    used[FLASH] += section.size
-                if section.name.startswith((".bss", ".data")):
-                    used[RAM] += section.size
+            if not section.allocated or section.name.startswith(".ARM"):
+                continue
+            if section.comdat:
+                size, modules = once.get(section.name, (0, frozenset()))
+                once[section.name] = max(size, section.size), modules | {module}
+                continue
+            if not section.name.startswith(".bss"):
+                used[FLASH] += section.size
+            if section.name.startswith((".bss", ".data")):
+                used[RAM] += section.size
+    for size, modules in once.values():
+        sizes[min(modules) if len(modules) == 1 else "(in several)"][FLASH] += size
     return sizes
 
 
@@ -87,6 +105,10 @@ def main():
     print(f"{'budget':24}{BUDGET[what][FLASH]:8}{BUDGET[what][RAM]:8}")
     if what == "image" and total != linked(tree):
         sys.exit(f"error: the table misses something: the image has {linked(tree)}")
+    for module, most in MODULE_BUDGET.items() if what == "library" else ():
+        print(f"{'budget of ' + module:24}{most:8}")
+        if not 0 < sizes[module][FLASH] <= most:
+            sys.exit(f"error: {module} is above its budget")
     if total[FLASH] == 0 or any(total[kind] > BUDGET[what][kind] for kind in (FLASH, RAM)):
         sys.exit("error: above the budget")
 

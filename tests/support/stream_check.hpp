@@ -19,7 +19,7 @@ class StreamCheck {
         velocity_limit_(limits.velocity * tick_s * kLsb),
         acceleration_limit_(limits.acceleration * tick_s * tick_s * kLsb),
         deceleration_limit_(limits.deceleration * tick_s * tick_s * kLsb),
-        jerk_limit_(limits.jerk * tick_s * tick_s * tick_s * kLsb) {}
+        jerk_limit_(limits.larger_jerk() * tick_s * tick_s * tick_s * kLsb) {}
 
   void next(Signal signal) {
     const int64_t step = forward_ ? signal - last_ : last_ - signal;

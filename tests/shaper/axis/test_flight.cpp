@@ -113,7 +113,7 @@ TEST_F(Flying, a_jog_keeps_its_velocity_and_wraps_at_the_end_of_the_range) {
   for (int i = 0; i < 1000; ++i) {
     const Signal next = axis.tick();
     check.next(next);
-    TEST_ASSERT_EQUAL_INT64(velocity, wrapped_difference(next, last));
+    TEST_ASSERT_EQUAL_INT64(velocity, wrapping_difference(next, last));
     last = next;
   }
   TEST_ASSERT_TRUE(last < 0);
@@ -138,7 +138,7 @@ TEST_F(Flying, a_year_of_cruise_is_counted_exactly) {
   const uint64_t ticks = UINT64_C(31536000000);
   const Differences far = track.differences_at(track.duration_ticks + ticks, unused);
   const auto travel = static_cast<Signal>(ticks * 1000U % (UINT64_C(1) << 32) << 32);
-  TEST_ASSERT_EQUAL_INT64(wrapped_sum(signal_of(track.end), travel), signal_of(far));
+  TEST_ASSERT_EQUAL_INT64(wrapping_sum(signal_of(track.end), travel), signal_of(far));
 }
 
 TEST_F(Flying, a_halt_ramps_before_the_shaper_and_so_stands_still) {
@@ -260,6 +260,26 @@ TEST_F(Flying, a_shaper_changes_in_the_cruise_of_a_jog) {
   TEST_ASSERT_OK(axis.halt(kLimits, nullptr));
   run_to_rest(&check);
   TEST_ASSERT_TRUE(check.within());
+}
+
+TEST_F(Flying, the_same_flights_give_the_same_bits_everywhere) {
+  // GIVEN commands of every kind in flight WHEN the setpoints are hashed (FNV-1a) THEN every machine prints this number
+  shape(ShaperKind::kZvd);
+  uint64_t hash = UINT64_C(0xcbf29ce484222325);
+  for (int i = 0; i < 8; ++i) {
+    switch (i) {
+      case 2: TEST_ASSERT_OK(axis.jog(-0.7e6, kLimits, nullptr)); break;
+      case 4: TEST_ASSERT_OK(axis.command(to(-5, kGentle), nullptr)); break;
+      case 5: TEST_ASSERT_OK(axis.jog(1.1e6, kLimits, nullptr)); break;
+      case 7: TEST_ASSERT_OK(axis.halt(kGentle, nullptr)); break;
+      default: TEST_ASSERT_OK(axis.command(to(i % 2 == 0 ? 1700000 : -33333), nullptr)); break;
+    }
+    for (int tick = 0; tick < 100 + 37 * i; ++tick) {
+      uint64_t bits = static_cast<uint64_t>(axis.tick());
+      for (int byte = 0; byte < 8; ++byte, bits >>= 8) hash = (hash ^ (bits & 0xFF)) * UINT64_C(0x100000001b3);
+    }
+  }
+  TEST_ASSERT_EQUAL_UINT64(UINT64_C(13314076089814778931), hash);
 }
 
 struct Fenced : Flying {
@@ -392,7 +412,7 @@ TEST_F(Rotary, it_turns_for_ever_and_loses_no_count) {
   uint64_t whole = 0, fraction = 0;  // counts modulo a turn, and 2^-32 counts
   for (int i = 0; i < 200000; ++i) {
     const Signal next = axis.tick();
-    const auto step = static_cast<uint64_t>(wrapped_difference(next, last));
+    const auto step = static_cast<uint64_t>(wrapping_difference(next, last));
     fraction += step & UINT64_C(0xFFFFFFFF);
     whole = (whole + (step >> 32) + (fraction >> 32)) % static_cast<uint64_t>(kTurn);
     fraction &= UINT64_C(0xFFFFFFFF);

@@ -107,6 +107,45 @@ TEST_F(Arm, shaped_moves_leave_a_millionth_of_the_plain_vibration_over_all_modes
   TEST_ASSERT_AT_LEAST_INT64(200, counted);
 }
 
+TEST_F(Arm, halts_and_changes_of_target_in_flight_are_as_still_as_moves) {
+  const uint64_t seed = 2018;
+  TEST_INFO("seed", seed);
+  Random random(seed);
+  int counted = 0;
+  double worst = 0.0;
+  for (int i = 0; i < 300; ++i) {
+    TEST_INFO("case", i);
+    const Mode mode{random.between(2.0, 100.0), random.between(0.0, 0.2)};
+    const AxisLimits limits{1.2e6, random.between(5e6, 30e6), random.between(5e6, 30e6), random.between(2e8, 1e10)};
+    const uint32_t at = static_cast<uint32_t>(random.integer(20, 1000));
+    const bool halt = i % 2 == 0;
+    const auto target = static_cast<int32_t>(random.integer(-1000000, 2000000));
+    long double amplitude[2] = {};
+    long double floor = 0.0L;
+    for (int shaped = 0; shaped < 2; ++shaped) {
+      TEST_ASSERT_TRUE(shape(shaped == 0 ? ShaperKind::kNone : ShaperKind::kZvd, mode));
+      axis.reset(0);
+      TEST_ASSERT_OK(axis.command(Move{1700000, ProfileKind::kSCurve, limits, 0.0, false}, nullptr));
+      std::vector<Signal> setpoints;
+      do {
+        if (setpoints.size() == at) {
+          TEST_ASSERT_OK(halt ? axis.halt(limits, nullptr)
+                              : axis.command(Move{target, ProfileKind::kSCurve, limits, 0.0, false}, nullptr));
+        }
+        setpoints.push_back(axis.tick());
+      } while (setpoints.size() < at + 10 || axis.state().phase != AxisPhase::kAtRest);
+      amplitude[shaped] = residual_amplitude(setpoints, 0, mode);
+      floor = rounding_floor(mode, axis.shaper().stage_count, static_cast<uint32_t>(setpoints.size()));
+    }
+    if (amplitude[0] < 1e6L * floor) continue;
+    ++counted;
+    worst = std::max(worst, static_cast<double>((amplitude[1] - floor) / amplitude[0]));
+    TEST_ASSERT_AT_MOST_DOUBLE(static_cast<double>(1e-6L * amplitude[0] + floor), static_cast<double>(amplitude[1]));
+  }
+  MESSAGE("halts and retargets with a plain amplitude of a million floors: ", counted, ", worst: ", worst);
+  TEST_ASSERT_AT_LEAST_INT64(100, counted);
+}
+
 TEST_F(Arm, moves_begun_after_a_blended_retune_is_active_are_still) {
   const AxisLimits limits{1.2e6, 20e6, 20e6, 600e6};
   const Mode modes[] = {{37.0, 0.0}, {30.0, 0.0}};

@@ -5,9 +5,12 @@
 #include "tests/support/test.hpp"
 
 using stillpoint::counts_from_signal;
+using stillpoint::fixed_product;
 using stillpoint::kSignalPerCount;
 using stillpoint::multiply;
+using stillpoint::shifted_right;
 using stillpoint::signal_from_counts;
+using stillpoint::times_fraction;
 using stillpoint::to_double;
 using stillpoint::Wide;
 using stillpoint::wide_from_double;
@@ -45,6 +48,7 @@ TEST(signals_round_to_the_nearest_count_and_saturate_at_the_ends) {
 namespace {
 
 __extension__ using Native = unsigned __int128;
+__extension__ using SignedNative = __int128;
 
 Native native(Wide a) { return (static_cast<Native>(a.high) << 64) | a.low; }
 
@@ -73,6 +77,26 @@ TEST_HOST(arithmetic_agrees_with_the_compilers_own_128_bits) {
     TEST_ASSERT_TRUE(native(multiply(a.low, b.low)) == static_cast<Native>(a.low) * b.low);
     const int shift = static_cast<int>(a.low % 128);
     TEST_ASSERT_TRUE(native(shifted_left(b, shift)) == native(b) << shift);
+    TEST_ASSERT_TRUE(native(shifted_right(b, shift % 64)) ==
+                     static_cast<Native>(static_cast<SignedNative>(native(b)) >> shift % 64));
+  }
+}
+
+TEST_HOST(products_of_fixed_point_numbers_agree_with_long_multiplication) {
+  const uint64_t seed = 20261125;
+  TEST_INFO("seed", seed);
+  Random random(seed);
+  for (int i = 0; i < 100000; ++i) {
+    const Wide a = any_wide(random);
+    const Wide b = any_wide(random);
+    // a b = (a_high 2^64 + a_low)(b_high 2^64 + b_low) >> 64, the upper halves signed
+    const auto a_high = static_cast<SignedNative>(static_cast<int64_t>(a.high));
+    const auto b_high = static_cast<int64_t>(b.high);
+    const Native low = static_cast<Native>(a.low) * b.low >> 64;
+    const auto with_low = static_cast<Native>(a_high * static_cast<SignedNative>(b.low)) + low;
+    TEST_ASSERT_TRUE(native(times_fraction(a, b.low)) == with_low);
+    const Native with_high = native(a) * static_cast<Native>(static_cast<SignedNative>(b_high));
+    TEST_ASSERT_TRUE(native(fixed_product(a, b)) == with_low + with_high);
   }
 }
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// The fastest way to rest by searching all of them: every sequence of jerks -1, 0 and 1, each for one tick, from every
-// state at once. It knows nothing of shapes, switching or peaks. Each sequence it finds is a motion within the limits
-// in continuous time, so an optimum may never take longer; that it switches on ticks only makes it a tick or two
-// slower.
+// The fastest way to rest by searching all of them: every sequence of whole jerks up to the limit, each for one tick,
+// from every state at once. It knows nothing of shapes, switching or peaks. Each sequence it finds is a motion within
+// the limits in continuous time, so an optimum may never take longer; that it switches on ticks only makes it a tick or
+// two slower.
 #pragma once
 
 #include <cstdint>
@@ -11,7 +11,7 @@
 
 namespace stillpoint::testing {
 
-// With jerk 1 a tick the states at ticks have whole a, 2v and 6p.
+// With whole jerks the states at ticks have whole a, 2v and 6p.
 struct LatticeState {
   int acceleration;
   int velocity_2;
@@ -22,6 +22,8 @@ struct LatticeLimits {
   int acceleration;
   int deceleration;
   int velocity_2;
+  int jerk = 1;
+  int braking_jerk = 1;
 };
 
 class LatticeOptimum {
@@ -32,6 +34,7 @@ class LatticeOptimum {
       : limits_(limits),
         strongest_(limits.acceleration > limits.deceleration ? limits.acceleration : limits.deceleration),
         weakest_(limits.acceleration + limits.deceleration - strongest_),
+        strongest_jerk_(limits.jerk > limits.braking_jerk ? limits.jerk : limits.braking_jerk),
         reach_6_(reach_6),
         ticks_(static_cast<size_t>(2 * strongest_ + 1) * static_cast<size_t>(2 * limits.velocity_2 + 1) *
                    static_cast<size_t>(2 * reach_6 + 1),
@@ -49,11 +52,13 @@ class LatticeOptimum {
   std::vector<LatticeState> before(const std::vector<LatticeState>& layer, uint16_t ticks) {
     std::vector<LatticeState> found;
     for (const LatticeState& to : layer) {
-      for (int jerk = -1; jerk <= 1; ++jerk) {
+      for (int jerk = -strongest_jerk_; jerk <= strongest_jerk_; ++jerk) {
         LatticeState from{to.acceleration - jerk, 0, 0};
         from.velocity_2 = to.velocity_2 - 2 * from.acceleration - jerk;
         from.position_6 = to.position_6 - 3 * from.velocity_2 - 3 * from.acceleration - jerk;
-        if (!valid(from) || !may_pass(from, to) || ticks_[index(from)] != kUnreached) continue;
+        if (!valid(from) || !may_pass(from, to) || std::abs(jerk) > jerk_between(from, to) ||
+            ticks_[index(from)] != kUnreached)
+          continue;
         ticks_[index(from)] = ticks;
         found.push_back(from);
       }
@@ -66,6 +71,14 @@ class LatticeOptimum {
     const bool one_sign = (from.velocity_2 > 0 && to.velocity_2 > 0) || (from.velocity_2 < 0 && to.velocity_2 < 0);
     if (one_sign || from.velocity_2 == 0 || to.velocity_2 == 0) return true;
     return std::abs(from.acceleration) <= weakest_ && std::abs(to.acceleration) <= weakest_;
+  }
+
+  // Speeding up or slowing down throughout, unless velocity or acceleration pass zero in between: then both jerks hold.
+  int jerk_between(const LatticeState& from, const LatticeState& to) const {
+    const bool passes = from.acceleration * to.acceleration < 0 || from.velocity_2 * to.velocity_2 < 0;
+    if (passes) return limits_.jerk + limits_.braking_jerk - strongest_jerk_;
+    const bool speeds_up = (from.velocity_2 + to.velocity_2) * (from.acceleration + to.acceleration) > 0;
+    return speeds_up ? limits_.jerk : limits_.braking_jerk;
   }
 
   bool valid(const LatticeState& s) const {
@@ -85,6 +98,7 @@ class LatticeOptimum {
   LatticeLimits limits_;
   int strongest_;
   int weakest_;
+  int strongest_jerk_;
   int reach_6_;
   std::vector<uint16_t> ticks_;
 };

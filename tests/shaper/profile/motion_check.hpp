@@ -9,17 +9,33 @@
 
 namespace stillpoint::testing {
 
+inline AxisLimits scaled(const AxisLimits& l, double by) {
+  return AxisLimits{l.velocity * by, l.acceleration * by, l.deceleration * by, l.jerk * by, l.deceleration_jerk * by};
+}
+
+// The velocity once the acceleration has been let go of as fast as the jerk limits allow, found phase by phase.
+inline double let_go_velocity(const StartMotion& start, const AxisLimits& limits) {
+  double v = start.velocity;
+  double energy = start.acceleration * start.acceleration / 2.0;
+  const double sign = start.acceleration < 0.0 ? -1.0 : 1.0;
+  if (v * sign < 0.0) {
+    const double to_zero = std::fmin(energy, limits.braking_jerk() * std::fabs(v));
+    v += sign * to_zero / limits.braking_jerk();
+    energy -= to_zero;
+  }
+  return v + sign * energy / limits.jerk;
+}
+
 // A state from which every limit can be kept: neither is passed, and none will be however the jerk is used.
 inline bool can_keep_limits(const StartMotion& start, const AxisLimits& limits) {
   const double sign = start.velocity < 0.0 ? -1.0 : 1.0;
   const double speed = sign * start.velocity;
   const double a = sign * start.acceleration;
-  const double let_go = a * a / (2.0 * limits.jerk);
-  if (speed > limits.velocity) return false;
-  if (a >= 0.0) return a <= limits.acceleration && speed + let_go <= limits.velocity;
-  if (-a > limits.deceleration || let_go - speed > limits.velocity) return false;
+  if (speed > limits.velocity || std::fabs(let_go_velocity(start, limits)) > limits.velocity) return false;
+  if (a >= 0.0) return a <= limits.acceleration;
+  if (-a > limits.deceleration) return false;
   // It turns round while it lets go: then what was deceleration is acceleration.
-  return let_go <= speed + limits.acceleration * limits.acceleration / (2.0 * limits.jerk);
+  return a * a / 2.0 <= limits.braking_jerk() * speed + limits.acceleration * limits.acceleration / 2.0;
 }
 
 // The worst of a plan, relative to the limits, and its ends relative to the path.
@@ -78,17 +94,27 @@ struct TickLimits {
   long double acceleration;
   long double deceleration;
   long double jerk;
+  long double braking_jerk;
   TickLimits(const AxisLimits& limits, double tick_s)
       : velocity(static_cast<long double>(limits.velocity) * tick_s),
         acceleration(static_cast<long double>(limits.acceleration) * tick_s * tick_s),
         deceleration(static_cast<long double>(limits.deceleration) * tick_s * tick_s),
-        jerk(static_cast<long double>(limits.jerk) * tick_s * tick_s * tick_s) {}
+        jerk(static_cast<long double>(limits.jerk) * tick_s * tick_s * tick_s),
+        braking_jerk(static_cast<long double>(limits.braking_jerk()) * tick_s * tick_s * tick_s) {}
   void check(const Instant& at, long double rounding, MotionReport& report) const {
     const bool turns = std::fabs(at.velocity) <= rounding;
     const bool along = (at.velocity > 0) == (at.acceleration > 0);
     const long double limit = turns ? std::fmax(acceleration, deceleration) : (along ? acceleration : deceleration);
     raise(report.velocity_excess, std::fabs(at.velocity) / velocity - 1);
     raise(report.acceleration_excess, std::fabs(at.acceleration) / limit - 1);
+  }
+  // Inside of a segment; where the sign of velocity or acceleration says nothing, the larger jerk holds.
+  void check_jerk(const Instant& at, double value, long double rounding, long double steepest,
+                  MotionReport& report) const {
+    const bool unclear = std::fabs(at.velocity) <= rounding || std::fabs(at.acceleration) <= 1e-9L * steepest;
+    const bool along = (at.velocity > 0) == (at.acceleration > 0);
+    const long double limit = unclear ? std::fmax(jerk, braking_jerk) : (along ? jerk : braking_jerk);
+    raise(report.jerk_excess, std::fabs(value) / limit - 1);
   }
 };
 
@@ -105,11 +131,12 @@ inline long double hardest_of(const Plan& plan, long double start) {
 inline void check_limits(const Segment& segment, const Instant& begin, const TickLimits& limits, int samples,
                          long double& fastest, MotionReport& report) {
   const long double ticks = segment.duration_ticks;
-  raise(report.jerk_excess, std::fabs(segment.jerk) / limits.jerk - 1);
+  const long double steepest = std::fabs(segment.acceleration) + std::fabs(segment.jerk) * ticks;
   for (int k = 0; k <= samples; ++k) {
     const Instant inside = instant_in(begin, segment, ticks * k / samples);
     fastest = std::fmax(fastest, std::fabs(inside.velocity));
     limits.check(inside, 1e-9L * fastest, report);
+    limits.check_jerk(inside, segment.jerk, 1e-9L * fastest, steepest, report);
   }
   const long double turn = segment.jerk != 0.0 ? -begin.acceleration / segment.jerk : -1;
   if (turn > 0 && turn < ticks) limits.check(instant_in(begin, segment, turn), 1e-9L * fastest, report);
@@ -142,20 +169,28 @@ inline MotionReport report_on(const Plan& plan, const StartMotion& start, double
   return report;
 }
 
+// How many times the jerks are apart. The little velocity that is left at a turning point, of which the smaller jerk
+// makes a long way, is the difference of what the larger one works with: digits are lost in proportion.
+inline double jerk_spread(const AxisLimits& limits) {
+  return limits.larger_jerk() / std::fmin(limits.jerk, limits.braking_jerk());
+}
+
 // Limits over `decades` decades of proportion to each other, in a unit of its own.
 inline AxisLimits random_limits(Random& random, double decades) {
   const auto factor = [&] { return std::pow(10.0, random.between(-decades, decades) / 2.0); };
   const double unit = std::pow(10.0, random.between(-4.0, 4.0));
   const double acceleration = 10.0 * unit * factor();
   const bool equal = random.next() % 2 == 0;
-  return AxisLimits{unit * factor(), acceleration, equal ? acceleration : acceleration * factor(),
+  AxisLimits limits{unit * factor(), acceleration, equal ? acceleration : acceleration * factor(),
                     100.0 * unit * factor()};
+  if (random.next() % 2 == 0) limits.deceleration_jerk = limits.jerk * std::pow(10.0, random.between(-3.0, 3.0));
+  return limits;
 }
 
 inline StartMotion random_start(Random& random, const AxisLimits& limits) {
   for (int i = 0; i < 1000; ++i) {
     const double strongest = std::fmax(limits.acceleration, limits.deceleration);
-    const double by_jerk = std::fmin(strongest, 2.0 * std::sqrt(limits.velocity * limits.jerk));
+    const double by_jerk = std::fmin(strongest, 2.0 * std::sqrt(limits.velocity * limits.larger_jerk()));
     const StartMotion start{limits.velocity * random.between(-1.0, 1.0), by_jerk * random.between(-1.0, 1.0)};
     if (can_keep_limits(start, limits)) return start;
   }

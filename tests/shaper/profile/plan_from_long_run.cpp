@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// As many random moves from random states of motion as asked for, a tenth as many compared with a search over all
-// sequences of jerk, a fiftieth sampled by a track.  Usage: plan_from_long_run MOVES [SEED]
+// As many random moves from random states of motion as asked for; as many from rest to rest against bisection; ten
+// times as many plans in counts; a tenth as many compared with a search over all sequences of jerk, with one and with
+// two jerks; a fiftieth sampled by a track.  Usage: plan_from_long_run MOVES [SEED]
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
 #include <vector>
 
 #include "tests/shaper/profile/random_moves.hpp"
+#include "tests/shaper/profile/random_rest_moves.hpp"
 
 using namespace stillpoint;
 
@@ -23,13 +25,14 @@ long count_faults(const char* what, long count, unsigned long long seed, const c
   return faults;
 }
 
-long compare_all(long count, unsigned long long seed) {
+long compare_all(long count, unsigned long long seed, bool two_jerks) {
   constexpr int kLattices = 20;
   testing::Random random(seed);
   testing::Comparison result;
   for (int i = 0; i < kLattices; ++i) {
-    const testing::LatticeLimits lattice{static_cast<int>(random.integer(1, 8)), static_cast<int>(random.integer(1, 8)),
-                                         static_cast<int>(random.integer(8, 48))};
+    testing::LatticeLimits lattice{static_cast<int>(random.integer(1, 8)), static_cast<int>(random.integer(1, 8)),
+                                   static_cast<int>(random.integer(8, 48))};
+    if (two_jerks) (i % 2 == 0 ? lattice.jerk : lattice.braking_jerk) = static_cast<int>(random.integer(2, 3));
     compare(random, testing::LatticeOptimum(lattice, 2400), lattice, (count + kLattices - 1) / kLattices, result);
   }
   std::printf("against the search: %ld states, %ld of them braking with the target beyond; %ld in the same ticks; ",
@@ -57,6 +60,7 @@ void print_cost(unsigned long long seed) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  std::setvbuf(stdout, nullptr, _IOLBF, 0);
   const auto moves = static_cast<long>(argc > 1 ? std::atof(argv[1]) : 20000.0);
   const auto seed = argc > 2 ? std::strtoull(argv[2], nullptr, 10) : 1ULL;
   std::printf("seed %llu\n", seed);
@@ -68,7 +72,10 @@ int main(int argc, char** argv) {
                          [](testing::Random& random) { return testing::fault_of_velocity_change(random, 4.0); });
   faults += count_faults("starts outside the limits", moves / 5, seed + 6, testing::fault_of_outside_start);
   faults += count_faults("streams in counts", moves / 50, seed + 3, testing::fault_of_stream);
-  faults += compare_all(moves / 10, seed + 4);
+  faults += count_faults("from rest to rest", moves, seed + 8, testing::fault_of_rest_move);
+  faults += count_faults("plans in counts", 10 * moves, seed + 9, testing::fault_of_plan_in_counts);
+  faults += compare_all(moves / 10, seed + 4, false);
+  faults += compare_all(moves / 10, seed + 7, true);
   print_cost(seed + 5);
   return faults == 0 ? 0 : 1;
 }

@@ -21,9 +21,8 @@ struct MoveTask {
 };
 
 inline MoveTask scaled(const MoveTask& task, double by) {
-  const AxisLimits& l = task.limits;
   return MoveTask{StartMotion{task.start.velocity * by, task.start.acceleration * by}, task.distance * by,
-                  AxisLimits{l.velocity * by, l.acceleration * by, l.deceleration * by, l.jerk * by}};
+                  scaled(task.limits, by)};
 }
 
 inline Status planned_from(const MoveTask& task, double tick_s, Plan& plan) {
@@ -51,7 +50,7 @@ inline bool is_scale_free(const MoveTask& task, double tick_s, const Plan& plan)
 }
 
 // What is left of an optimum is an optimum. The tolerance: a state is rounded to 1e-16 of the move, and the time of a
-// move of that length is the cube root. Nor so near the end that less of the jerk than its limit is used.
+// move of that length is the cube root. So near the end that less of a jerk limit is used: less than a tick, as said.
 inline bool stays_optimal(Random& random, const MoveTask& task, double tick_s, const Plan& plan) {
   const long double passed = static_cast<long double>(plan.optimum_ticks) * random.between(0.0, 0.99);
   const Instant at = instant_at(plan, passed);
@@ -61,7 +60,10 @@ inline bool stays_optimal(Random& random, const MoveTask& task, double tick_s, c
   rest.distance = static_cast<double>(task.distance - at.position);
   Plan other{};
   if (!planned_from(rest, tick_s, other).ok()) return false;
-  return std::fabs(other.optimum_ticks + passed - plan.optimum_ticks) <= 1e-4L * plan.optimum_ticks;
+  const long double difference = std::fabs(other.optimum_ticks + passed - plan.optimum_ticks);
+  const double farthest = std::fmax(std::fabs(rest.distance), static_cast<double>(std::fabs(at.velocity)));
+  if (task.limits.larger_jerk() * tick_s * tick_s * tick_s > 4096.0 * farthest) return difference < 1.0L;
+  return difference <= 1e-4L * std::cbrt(jerk_spread(task.limits)) * plan.optimum_ticks;
 }
 
 // Over `decades` decades of the limits' proportions.
@@ -101,10 +103,10 @@ inline const char* fault_of_outside_start(Random& random) {
   const AxisLimits& l = task.limits;
   const double strongest = std::fmax(l.acceleration, l.deceleration);
   task.start.velocity = l.velocity * random.between(-3.0, 3.0);
-  const double reached = std::fmin(strongest, 2.0 * std::sqrt(l.velocity * l.jerk));
+  const double reached = std::fmin(strongest, 2.0 * std::sqrt(l.velocity * std::fmin(l.jerk, l.braking_jerk())));
   task.start.acceleration = reached * random.between(-3.0, 3.0);
   const double a = std::fabs(task.start.acceleration);
-  const double let_go = task.start.velocity + task.start.acceleration * a / (2.0 * l.jerk);
+  const double let_go = let_go_velocity(task.start, l);
   Plan plan{};
   if (!planned_from(task, kTick, plan).ok()) return "refused";
   if (!report_on(plan, task.start, 0.0, l, kTick, 1).arrives(1e-12)) return "arrival or continuity";
@@ -113,7 +115,7 @@ inline const char* fault_of_outside_start(Random& random) {
   if (peaks.velocity > fastest * (1.0 + 1e-12)) return "velocity passed by more than the start forces";
   if (peaks.acceleration > std::fmax(strongest, a) * (1.0 + 1e-12)) return "acceleration grows outside";
   if (a > strongest && plan.segments[0].jerk * task.start.acceleration >= 0.0) return "acceleration does not come back";
-  return peaks.jerk <= l.jerk * (1.0 + 1e-12) ? nullptr : "jerk";
+  return peaks.jerk <= l.larger_jerk() * (1.0 + 1e-12) ? nullptr : "jerk";
 }
 
 // In counts over eight decades, sampled by a track: every tick of it on the plan, within the limits, and on the target.
@@ -125,7 +127,7 @@ inline const char* fault_of_stream(Random& random) {
     task.distance = std::round(task.distance);
     Plan plan{};
     if (!planned_from(task, kTick, plan).ok()) return "refused";
-    if (std::fabs(task.distance) > 1e9 || plan.duration_ticks > 3000 || task.limits.jerk > 1e18) continue;
+    if (std::fabs(task.distance) > 1e9 || plan.duration_ticks > 3000 || task.limits.larger_jerk() > 1e18) continue;
     const auto start = static_cast<int32_t>(random.integer(-1000000000, 1000000000));
     const Signal target = signal_from_counts(start + static_cast<int32_t>(task.distance));
     Track track{};
@@ -147,6 +149,25 @@ inline const char* fault_of_stream(Random& random) {
   return "no move found";
 }
 
+// In whole counts, from one to all the range, planned and integrated; half of them from rest.
+inline const char* fault_of_plan_in_counts(Random& random) {
+  constexpr double kTick = 1e-3;
+  MoveTask task{};
+  task.limits = random_limits(random, 2.0);
+  task.limits = scaled(task.limits, std::pow(10.0, random.between(1.0, 8.0)) / task.limits.velocity);
+  if (random.next() % 2 == 0) task.start = random_start(random, task.limits);
+  const double sign = random.next() % 2 == 0 ? 1.0 : -1.0;
+  task.distance = sign * std::floor(std::pow(2.0, random.between(0.0, 31.0)));
+  Plan plan{};
+  const Status status = planned_from(task, kTick, plan);
+  // A million seconds for the one move, at a few counts a second, is refused by name.
+  if (!status.ok()) return status.quantity == Quantity::kDuration ? nullptr : "refused";
+  if (plan.duration_ticks != std::ceil(plan.optimum_ticks * (1.0 - 0x1p-48))) return "ticks";
+  const MotionReport report = report_on(plan, task.start, 0.0, task.limits, kTick, 1);
+  if (!report.arrives(1e-12)) return "arrival or continuity";
+  return report.within(1e-12) ? nullptr : "limits";
+}
+
 // Against the search over all sequences of jerk.
 struct Comparison {
   long states = 0;
@@ -159,7 +180,8 @@ struct Comparison {
 inline void compare(Random& random, const LatticeOptimum& optimum, const LatticeLimits& lattice, long states,
                     Comparison& result) {
   const AxisLimits limits{lattice.velocity_2 / 2.0, static_cast<double>(lattice.acceleration),
-                          static_cast<double>(lattice.deceleration), 1.0};
+                          static_cast<double>(lattice.deceleration), static_cast<double>(lattice.jerk),
+                          static_cast<double>(lattice.braking_jerk)};
   const int strongest = lattice.acceleration > lattice.deceleration ? lattice.acceleration : lattice.deceleration;
   for (long found = 0, tries = 0; found < states && tries < 1000 * states; ++tries) {
     LatticeState state{static_cast<int>(random.integer(-strongest, strongest)),

@@ -69,6 +69,23 @@ TEST(deceleration_turns_into_acceleration_at_the_turning_point) {
   }
 }
 
+TEST(each_jerk_holds_on_its_side_of_the_turning_point) {
+  // GIVEN a jerk for braking of a quarter WHEN it turns round THEN the jerk changes where the velocity is zero
+  const AxisLimits limits{1.0, 10.0, 10.0, 1000.0, 250.0};
+  const Plan plan = planned({-1.0, 0.0}, 1.0, limits);
+  double velocity = plan.start_velocity;
+  for (uint32_t i = 0; i < plan.segment_count; ++i) {
+    const Segment& s = plan.segments[i];
+    const double half_way = velocity + s.duration_ticks / 2.0 * (s.acceleration + s.duration_ticks * s.jerk / 4.0);
+    const bool speeds_up = (half_way > 0.0) == (s.acceleration + s.jerk * s.duration_ticks / 2.0 > 0.0);
+    const double jerk = s.jerk < 0.0 ? -s.jerk : s.jerk;
+    TEST_ASSERT_AT_MOST_DOUBLE((speeds_up ? 1e-6 : 0.25e-6) * (1 + 1e-12), jerk);
+    velocity += s.duration_ticks * (s.acceleration + s.duration_ticks * s.jerk / 2.0);
+  }
+  TEST_ASSERT_DOUBLE_WITHIN(1e-9, 40.0, plan.segments[0].duration_ticks);
+  TEST_ASSERT_DOUBLE_RELATIVE(1e-9, 1e-6, -plan.segments[2].jerk);
+}
+
 TEST(from_above_the_velocity_limit_it_slows_down_with_the_deceleration) {
   const Plan plan = planned({3.0, 0.0}, 5.0);
   TEST_ASSERT_DOUBLE_RELATIVE(1e-12, -1e-6, plan.segments[0].jerk);
