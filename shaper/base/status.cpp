@@ -65,6 +65,7 @@ const char* text(Quantity quantity) {
     case Quantity::kFollowingError: return "following error";
     case Quantity::kDecelerationJerk: return "deceleration jerk";
     case Quantity::kTable: return "profile table";
+    case Quantity::kSamples: return "samples";
     case Quantity::kTaps: return "taps";
     case Quantity::kImpulseSum: return "sum of impulse amplitudes";
   }

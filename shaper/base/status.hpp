@@ -55,6 +55,7 @@ enum class Quantity : uint8_t {
   kFollowingError,
   kDecelerationJerk,
   kTable,
+  kSamples,
 };
 
 // The answer of everything that can refuse. A refusal leaves the state before it in force.

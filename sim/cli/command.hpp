@@ -60,6 +60,7 @@ void add_sensitivity(Commands& commands, Output& output);
 void add_robustness(Commands& commands, Output& output);
 void add_recommend(Commands& commands, Output& output);
 void add_group(Commands& commands, Output& output);
+void add_identify(Commands& commands, Output& output);
 void add_shape(Commands& commands);
 void add_move(Commands& commands, Output& output);
 void add_hil(Commands& commands, Output& output);

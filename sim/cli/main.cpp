@@ -14,6 +14,7 @@ int main(int argc, char** argv) {
   stillpoint::cli::add_robustness(commands, output);
   stillpoint::cli::add_recommend(commands, output);
   stillpoint::cli::add_group(commands, output);
+  stillpoint::cli::add_identify(commands, output);
   stillpoint::cli::add_shape(commands);
   stillpoint::cli::add_move(commands, output);
   stillpoint::cli::add_hil(commands, output);
