@@ -31,7 +31,7 @@ struct AxisConfig {
   Status validate() const;
 };
 
-// Of a trapezoid, counts/s^3.
+// Of a trapezoid and whatever else has none, counts/s^3.
 constexpr double kNoJerkLimit = 1e300;
 
 struct Move {

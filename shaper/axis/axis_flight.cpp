@@ -22,7 +22,7 @@ double counts_of(Wide position) { return to_double(position, kTrackFractionBits)
 // plan_from uses as much of it as shortens a move.
 AxisLimits planned_limits(const Move& move) {
   AxisLimits limits = move.limits;
-  if (move.kind == ProfileKind::kTrapezoid) {
+  if (!move.jerk_limited()) {
     limits.jerk = kNoJerkLimit;
     limits.deceleration_jerk = 0.0;
   }

@@ -135,7 +135,10 @@ class RandomFlights {
       default: {
         const double here = static_cast<double>(axis_.state().demand) / 4294967296.0;
         const auto target = static_cast<int32_t>(here + reach * random_.between(-1.0, 1.0));
-        return axis_.command(Move{target, ProfileKind::kSCurve, limits, 0.0, random_.next() % 8 == 0}, nullptr).ok();
+        constexpr ProfileKind kKinds[] = {ProfileKind::kSCurve, ProfileKind::kSCurve, ProfileKind::kSCurve,
+                                          ProfileKind::kSin2,   ProfileKind::kPoly5,  ProfileKind::kPoly7};
+        const ProfileKind kind = kKinds[random_.integer(0, 5)];
+        return axis_.command(Move{target, kind, limits, 0.0, random_.next() % 8 == 0}, nullptr).ok();
       }
     }
   }
