@@ -92,6 +92,12 @@ class AxisCore {
   // it is never called: the motion in force goes on, the retune waits for rest.
   void service();
 
+  // The spare shaper's memory, for as long as nobody needs it: `doubles` of them, one a LineSample; an identification
+  // works there. Null while something is pending or a blend runs. Until it is taken back a change of shaper, and moves
+  // that are checked behind the shaper (zero delay, negative gains), are refused kBusy.
+  double* lend_memory(size_t& doubles);
+  void take_memory_back() { lent_ = false; }
+
   // One tick's state, never torn.
   AxisState state() const;
 
@@ -182,6 +188,7 @@ class AxisCore {
   Status time_within(const Move& move, Signal start, Signal target, uint32_t ticks, Plan& plan, MoveReport& report);
   Status time_sooner(const Move& move, Signal start, Signal target, uint32_t available, Plan& plan, MoveReport& report);
   Status slow_down_for_shaper(const Move& move, Signal start, Signal target, Plan& plan, MoveReport& report);
+  Status configure_spare(const ShaperDesign& design, Signal position);
   Status fill_spare(Signal start);
   ShapedMoveCheck check_for(const Move& move, Signal start, Signal target);
   void hand_over(Pending what, uint32_t epoch);
@@ -239,6 +246,7 @@ class AxisCore {
   bool look_again_ = false;     // at
   uint32_t look_again_at_ = 0;  // this tick of the axis
   uint32_t blend_lead_ = 0;     // ticks from a search to the first window it may offer
+  bool lent_ = false;           // the spare shaper's memory is somebody else's
 
   // Pairs: the tick's is the one of this index, the other the background's spare.
   uint32_t active_track_ = 0;

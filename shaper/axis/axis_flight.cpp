@@ -279,7 +279,7 @@ Status AxisCore::check_stream(const Flight& flight, const AxisState& now, uint32
   if (load(pending_) != kNothing || running().stage_count() == 0) return busy();
   const uint32_t spare = active_shaper_ ^ 1;
   const Track& next = tracks_[active_track_ ^ 1];
-  const Status status = shapers_[spare].configure(running(), memory_[spare], capacity_, now.setpoint);
+  const Status status = fill_spare(now.setpoint);
   if (!status.ok()) return status;
   // BlendLimits allows for the blend's rounding, which is not here.
   const uint32_t stages = running().stage_count() - 1;

@@ -21,16 +21,35 @@ Status AxisCore::set_shaper(const ShaperDesign& design, Retune when) {
   const bool moving = when == Retune::kBlended && configured_ && !pending() && now.phase != AxisPhase::kAtRest;
   Status status = moving ? kOk : check_ready();
   if (!status.ok()) return status;
-  const uint32_t spare = active_shaper_ ^ 1;
-  status = shapers_[spare].configure(design, memory_[spare], capacity_, now.setpoint);
+  status = configure_spare(design, now.setpoint);
   if (!status.ok()) return status;
   if (moving) {
-    blend_lead_ = first_lead(running(), shapers_[spare]);
+    blend_lead_ = first_lead(running(), shapers_[active_shaper_ ^ 1]);
     offer_blend(epoch, now);
   } else {
     hand_over(kShaper, epoch);
   }
   return kOk;
+}
+
+Status AxisCore::configure_spare(const ShaperDesign& design, Signal position) {
+  if (lent_) return refuse(Error::kBusy, Quantity::kNone, 0.0);
+  const uint32_t spare = active_shaper_ ^ 1;
+  return shapers_[spare].configure(design, memory_[spare], capacity_, position);
+}
+
+Status AxisCore::fill_spare(Signal start) {
+  if (lent_) return refuse(Error::kBusy, Quantity::kNone, 0.0);
+  const uint32_t spare = active_shaper_ ^ 1;
+  return shapers_[spare].configure(running(), memory_[spare], capacity_, start);
+}
+
+double* AxisCore::lend_memory(size_t& doubles) {
+  if (!configured_ || load(pending_) != kNothing) return nullptr;
+  static_assert(sizeof(LineSample) == sizeof(double) && alignof(LineSample) >= alignof(double), "one for the other");
+  lent_ = true;
+  doubles = capacity_;
+  return reinterpret_cast<double*>(memory_[active_shaper_ ^ 1]);
 }
 
 void AxisCore::service() {

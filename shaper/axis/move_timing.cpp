@@ -26,11 +26,6 @@ Status refuse_duration(Quantity binding, double wanted_s, uint32_t least_ticks, 
 
 }  // namespace
 
-Status AxisCore::fill_spare(Signal start) {
-  const uint32_t spare = active_shaper_ ^ 1;
-  return shapers_[spare].configure(running(), memory_[spare], capacity_, start);
-}
-
 ShapedMoveCheck AxisCore::check_for(const Move& move, Signal start, Signal target) {
   return ShapedMoveCheck(move.limits, move.jerk_limited(), config_.tick_s, shapers_[active_shaper_ ^ 1],
                          tracks_[active_track_ ^ 1], start, target);

@@ -66,6 +66,11 @@ const char* text(Quantity quantity) {
     case Quantity::kDecelerationJerk: return "deceleration jerk";
     case Quantity::kTable: return "profile table";
     case Quantity::kSamples: return "samples";
+    case Quantity::kChannels: return "channels";
+    case Quantity::kPreTrigger: return "pre-trigger";
+    case Quantity::kDecimation: return "decimation";
+    case Quantity::kAmplitude: return "amplitude";
+    case Quantity::kTravel: return "travel";
     case Quantity::kTaps: return "taps";
     case Quantity::kImpulseSum: return "sum of impulse amplitudes";
   }

@@ -56,6 +56,11 @@ enum class Quantity : uint8_t {
   kDecelerationJerk,
   kTable,
   kSamples,
+  kChannels,
+  kPreTrigger,
+  kDecimation,
+  kAmplitude,
+  kTravel,
 };
 
 // The answer of everything that can refuse. A refusal leaves the state before it in force.

@@ -19,6 +19,7 @@ MAY_INCLUDE = {
     "shaper/identify": ["shaper/base"],
     "shaper/servo": ["shaper/base"],
     "shaper/axis": ["shaper/identify", "shaper/servo", "shaper/shaping", "shaper/profile", "shaper/base"],
+    "shaper/tune": ["shaper/axis", "shaper/identify", "shaper/shaping", "shaper/profile", "shaper/base"],
     "hal": [],
     "firmware": ["shaper", "hal"],
     "firmware/target": ["firmware", "shaper", "hal"],

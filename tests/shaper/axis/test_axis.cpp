@@ -131,6 +131,29 @@ TEST_F(StandingAxis, another_tick_is_refused_while_a_shaper_is_designed_for_this
   TEST_ASSERT_OK(axis.configure(AxisConfig{2e-3, kMaximum, 40e6, 2e9}));
 }
 
+TEST_F(StandingAxis, what_needs_the_spare_memory_waits_while_it_is_lent) {
+  shape(ShaperKind::kZv);
+  size_t doubles = 0;
+  double* const lent = axis.lend_memory(doubles);
+  TEST_ASSERT_TRUE(lent != nullptr);
+  TEST_ASSERT_EQUAL_UINT64(512, doubles);
+  for (size_t i = 0; i < doubles; ++i) lent[i] = 1e300;
+  ShaperDesign design{};
+  TEST_ASSERT_OK(add_shaper(ShaperKind::kZv, Mode{37.3, 0.05}, kTick, design));
+  TEST_ASSERT_REFUSED(kBusy, kNone, axis.set_shaper(design));
+  TEST_ASSERT_REFUSED(kBusy, kNone, command(1700000, 0.0, true));
+  TEST_ASSERT_OK(command(1700000));
+  ticks_until_rest();
+  TEST_ASSERT_EQUAL_INT64(signal_from_counts(1700000), axis.state().setpoint);
+  axis.take_memory_back();
+  TEST_ASSERT_OK(axis.set_shaper(design));
+  TEST_ASSERT_TRUE(axis.lend_memory(doubles) == nullptr);
+  axis.tick();
+  TEST_ASSERT_OK(command(0, 0.0, true));
+  ticks_until_rest();
+  TEST_ASSERT_EQUAL_INT64(0, axis.state().setpoint);
+}
+
 TEST_F(StandingAxis, a_shaper_too_long_for_the_line_is_refused_and_the_old_one_stays) {
   shape(ShaperKind::kZv);
   ShaperDesign longer{};
