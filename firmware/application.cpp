@@ -10,7 +10,8 @@ void Application::begin(AxisCore& axis, const Ports& ports) {
   loop_.begin(axis, *ports.servo);
   drive_.begin(axis, loop_, parameters_);
   shaper_.begin(axis, parameters_, Meanwhile{serve_meanwhile, this});
-  registers_.begin({&axis, &loop_, &drive_, &shaper_, &parameters_});
+  faults_.begin(ports.faults);
+  registers_.begin({&axis, &loop_, &drive_, &shaper_, &parameters_, &faults_});
   client_.begin(*ports.client, kDefaultUnit);
 }
 
@@ -38,9 +39,12 @@ void Application::poll() {
 void Application::serve() {
   const uint32_t now = load(silence_clock_);
   feed_watchdog(now);
-  registers_.set_uptime(load(uptime_ms_));
+  const uint32_t uptime_ms = load(uptime_ms_);
+  registers_.set_uptime(uptime_ms);
   drive_.service();
+  faults_.follow(drive_.loop(), uptime_ms);
   if (client_.poll(now)) {
+    loop_.note_client();
     client_.reply(modbus::execute(registers_, client_.request(), client_.request_length(), client_.response()));
   }
 }

@@ -6,6 +6,7 @@
 
 #include "firmware/control_loop.hpp"
 #include "firmware/drive.hpp"
+#include "firmware/fault_log.hpp"
 #include "firmware/modbus_rtu.hpp"
 #include "firmware/parameters.hpp"
 #include "firmware/register_bank.hpp"
@@ -24,6 +25,7 @@ struct Ports {
   hal::ServoPort* servo;
   hal::ByteStream* client;  // Modbus RTU
   hal::Watchdog* watchdog;
+  FaultMemory* faults = nullptr;  // memory that a reset leaves alone; null: no history is kept
 };
 
 // A zero-initialised Application is valid storage (.bss); `begin` makes it work.
@@ -42,6 +44,12 @@ class Application {
 
   // Interrupt context, same priority as `tick`: once a millisecond of the chip's own timer, whether or not ticks come.
   void own_timer_tick();
+
+  // Tick context, after a `tick` that had not ended when the next was due.
+  void note_overrun() { loop_.note_overrun(); }
+
+  // Any context: a fault that only the target can see (the watchdog's reset, the stack's guard).
+  void note_fault(FaultCode fault) { loop_.request_fault(fault); }
 
   // Background: for ever, as often as possible. Bounded; long while it plans (see AxisCore::command) and while it
   // designs (see add_shaper), but meanwhile the client is answered, the drive's state kept and the watchdog fed.
@@ -64,6 +72,7 @@ class Application {
   Drive drive_ = {};
   ShaperSettings shaper_ = {};
   Parameters parameters_ = {};
+  FaultLog faults_ = {};
   RegisterBank registers_ = {};
   RtuPort client_ = {};
 

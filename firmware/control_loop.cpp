@@ -16,6 +16,7 @@ bool within_counts(Signal a, Signal b, uint32_t window_counts) {
 void ControlLoop::begin(AxisCore& axis, hal::ServoPort& servo) {
   axis_ = &axis;
   servo_ = &servo;
+  set_fault_option(StopOption::kQuick);
   publish();
 }
 
@@ -28,21 +29,34 @@ void ControlLoop::tick() {
   silent_ms_ = 0;
   state_.link_silent = false;
   ++state_.ticks;
+  overran_ = overrun_now_;
+  overrun_now_ = false;
   obey_clear_and_disable();
+  take_requested_fault();
   // The phase is of the tick before, so the drive has been given one standing setpoint under torque.
   if (state_.fault != FaultCode::kNone && state_.axis.phase == AxisPhase::kAtRest) end_fault_reaction();
   enable_if_asked();
-  // In a fault nothing new starts, not even what was planned before it.
-  const Signal setpoint = axis_->tick(commit_ && state_.fault == FaultCode::kNone);
+  wait_for_ramp();
+  // In a fault nothing new starts, not even what was planned before it, but for the ramp that ends it.
+  const Signal setpoint = axis_->tick(ramping_ || (commit_ && state_.fault == FaultCode::kNone));
   told_enabled_ = state_.enabled;
   take(servo_->exchange({setpoint, state_.enabled}));
+  watch_feedback(setpoint);
   count_settled(axis_->state());
   publish();
+}
+
+void ControlLoop::note_overrun() {
+  ++state_.overruns;
+  if (overran_ && state_.enabled) raise(FaultCode::kTickOverrun);
+  overrun_now_ = true;
 }
 
 void ControlLoop::own_timer_tick() {
   // With ticks coming they obey: filling a line here would hold up the link's bytes.
   if (state_.link_silent) obey_clear_and_disable();
+  if (state_.link_silent) take_requested_fault();
+  watch_client();
   if (silent_ms_ < kSilentMsAbandon) ++silent_ms_;
   if (silent_ms_ == kSilentMsFault) {
     state_.link_silent = true;
@@ -70,6 +84,7 @@ void ControlLoop::enable_if_asked() {
   if (load(wanted_enabled_) == 0 || state_.enabled || state_.fault != FaultCode::kNone) return;
   if (!state_.feedback_valid || told_enabled_) return;
   axis_->reset(state_.position);
+  feedback_watch_.restart();
   missing_in_a_row_ = 0;
   state_.settled_ticks = 0;
   state_.enabled = true;
@@ -97,9 +112,10 @@ void ControlLoop::take(const hal::ServoFeedback& feedback) {
   missing_in_a_row_ += missing < kMissingInARowFault ? missing : kMissingInARowFault;
   if (missing_in_a_row_ >= kMissingInARowFault && state_.enabled) raise(FaultCode::kFeedbackMissing);
   commit_ = feedback.commit && !stale;
+  neighbours_ = usable && missing_in_a_row_ == 0 && state_.feedback_valid;
   if (usable) {
     // Only neighbours tell a velocity; the subtraction wraps, as positions from outside may be anything.
-    if (missing_in_a_row_ == 0 && state_.feedback_valid) {
+    if (neighbours_) {
       state_.position_change =
           static_cast<Signal>(static_cast<uint64_t>(feedback.position) - static_cast<uint64_t>(state_.position));
     }
@@ -109,9 +125,57 @@ void ControlLoop::take(const hal::ServoFeedback& feedback) {
   state_.feedback_valid = usable;
 }
 
+void ControlLoop::watch_feedback(Signal setpoint) {
+  if (!state_.enabled || !state_.feedback_valid || state_.fault != FaultCode::kNone) return;
+  const FaultCode fault = feedback_watch_.look(setpoint, state_.position, state_.position_change, neighbours_);
+  if (fault != FaultCode::kNone) raise(fault);
+}
+
+void ControlLoop::watch_client() {
+  const uint32_t heard = load(client_heard_);
+  const uint32_t allowed_ms = load(client_watchdog_ms_);
+  if (heard != client_seen_ || !state_.enabled || allowed_ms == 0) {
+    client_seen_ = heard;
+    client_silent_ms_ = 0;
+  } else if (++client_silent_ms_ > allowed_ms) {
+    client_silent_ms_ = 0;
+    raise(FaultCode::kClientSilent);
+  }
+}
+
+void ControlLoop::take_requested_fault() {
+  const uint32_t fault = load(requested_fault_);
+  if (fault == 0) return;
+  store(requested_fault_, 0);
+  raise(static_cast<FaultCode>(fault));
+}
+
+// The background's ramp takes over in flight, and the commit it would wait for may never come.
+void ControlLoop::wait_for_ramp() {
+  if (!awaits_ramp_) return;
+  if (load(ramped_fault_) == state_.fault_count) {
+    awaits_ramp_ = false;
+    ramping_ = true;
+  } else if (++ramp_ticks_ > kRampPatienceTicks) {
+    awaits_ramp_ = false;
+    axis_->request_stop();
+  }
+}
+
 void ControlLoop::raise(FaultCode fault) {
   if (state_.fault != FaultCode::kNone) return;
   state_.fault = fault;
+  ++state_.fault_count;
+  if (!state_.enabled) return;
+  switch (static_cast<StopOption>(load(fault_option_))) {
+    case StopOption::kOff: return end_fault_reaction();
+    case StopOption::kRamp:
+      awaits_ramp_ = !state_.link_silent;
+      ramp_ticks_ = 0;
+      if (awaits_ramp_) return;
+      break;
+    default: break;
+  }
   axis_->request_stop();
 }
 
@@ -122,6 +186,8 @@ void ControlLoop::end_fault_reaction() {
 
 void ControlLoop::switch_off(Signal position) {
   state_.enabled = false;
+  awaits_ramp_ = false;
+  ramping_ = false;
   if (state_.link_silent) servo_->disable();
   axis_->reset(position);
 }

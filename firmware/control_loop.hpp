@@ -4,6 +4,7 @@
 
 #include <stdint.h>
 
+#include "firmware/feedback_watch.hpp"
 #include "firmware/registers.hpp"
 #include "hal/servo_port.hpp"
 #include "shaper/axis/axis_core.hpp"
@@ -15,6 +16,8 @@ constexpr uint32_t kMissingInARowFault = 3;
 constexpr uint32_t kSilentMsFault = 100;
 // A link that stays dead carries no ramp either: the drive is then declared disabled.
 constexpr uint32_t kSilentMsAbandon = 1000;
+// How long a fault waits for the background to begin the ramp that it is to end with.
+constexpr uint32_t kRampPatienceTicks = 20;
 
 // One tick's values. Counters only go up, and wrap.
 struct LoopSnapshot {
@@ -22,6 +25,7 @@ struct LoopSnapshot {
   Signal position;         // newest valid feedback
   Signal position_change;  // since the feedback of the tick before; kept over missing ones
   FaultCode fault;         // latched until cleared
+  uint32_t fault_count;    // of all faults
   bool enabled;            // what the drive was told
   bool feedback_valid;     // the newest feedback was fresh and valid
   bool link_silent;        // no tick for kSilentMsFault of the own timer
@@ -29,6 +33,7 @@ struct LoopSnapshot {
   uint32_t ticks;
   uint32_t missing;
   uint32_t link_losses;
+  uint32_t overruns;
 };
 
 // Who may call what: `tick` and `own_timer_tick` are the tick's context (interrupts of one priority, or both called
@@ -54,6 +59,22 @@ class ControlLoop {
   // Half the width of the band around the setpoint in which the axis counts as settled.
   void set_position_window(uint32_t counts) { store(window_counts_, counts); }
 
+  // What the tick watches, from here on.
+  void watch(const FeedbackLimits& limits) { feedback_watch_.set(limits); }
+
+  // How a fault ends: kOff, kRamp or kQuick. For kRamp the background is to halt the axis once it sees the fault, and
+  // say so by `note_ramp`, with the count of the fault; where that takes too long the quick stop comes instead. kQuick
+  // after `begin`.
+  void set_fault_option(StopOption option) { store(fault_option_, static_cast<uint32_t>(option)); }
+  void note_ramp(uint32_t fault_count) { store(ramped_fault_, fault_count); }
+
+  // A client that has been heard; while enabled the next must come within `set_client_watchdog`'s time (0: for ever).
+  void note_client() { store(client_heard_, load(client_heard_) + 1); }
+  void set_client_watchdog(uint32_t ms) { store(client_watchdog_ms_, ms); }
+
+  // A fault that was seen elsewhere: latched at the next tick or millisecond, unless there is one already.
+  void request_fault(FaultCode fault) { store(requested_fault_, static_cast<uint32_t>(fault)); }
+
   // Never torn: read again if a tick came between.
   LoopSnapshot snapshot() const { return published_.read(); }
 
@@ -61,6 +82,9 @@ class ControlLoop {
 
   // Hands over this tick's setpoint and takes the newest feedback. Bounded; no division, no floating point, no error.
   void tick();
+
+  // After a tick that had not ended when the next was due. Two in a row are a fault.
+  void note_overrun();
 
   // Once a millisecond of the chip's own timer.
   void own_timer_tick();
@@ -70,6 +94,10 @@ class ControlLoop {
   void enable_if_asked();
   void take(const hal::ServoFeedback& feedback);
   uint32_t lost_before(uint16_t sequence);
+  void watch_feedback(Signal setpoint);
+  void watch_client();
+  void take_requested_fault();
+  void wait_for_ramp();
   void raise(FaultCode fault);
   void end_fault_reaction();
   void switch_off(Signal position);
@@ -83,13 +111,27 @@ class ControlLoop {
   uint32_t wanted_enabled_ = 0;
   uint32_t clear_requested_ = 0;
   uint32_t window_counts_ = 0;
+  uint32_t fault_option_ = 0;  // StopOption
+  uint32_t ramped_fault_ = 0;  // the fault_count that it has begun the ramp of
+  uint32_t client_heard_ = 0;
+  uint32_t client_watchdog_ms_ = 0;
+  uint32_t requested_fault_ = 0;  // FaultCode; cleared by the tick, which alone does that
 
   // The tick's own.
   LoopSnapshot state_ = {};
+  FeedbackWatch feedback_watch_ = {};
   uint32_t cleared_ = 0;
+  bool awaits_ramp_ = false;  // a fault that is to end with a ramp has not seen it begin
+  bool ramping_ = false;
+  uint32_t ramp_ticks_ = 0;  // waited for it
+  uint32_t client_seen_ = 0;
+  uint32_t client_silent_ms_ = 0;
   uint32_t missing_in_a_row_ = 0;
   uint32_t silent_ms_ = 0;
   uint16_t last_sequence_ = 0;
+  bool overrun_now_ = false;   // the newest tick
+  bool overran_ = false;       // the one before
+  bool neighbours_ = false;    // the newest two feedbacks are of neighbouring ticks
   bool following_ = false;     // last_sequence_ is of the feedback just before
   bool commit_ = false;        // of the exchange before
   bool told_enabled_ = false;  // what the drive last heard: it must hear of an off before it is on again

@@ -48,6 +48,7 @@ void Drive::service() {
 void Drive::follow_loop() {
   if (seen_.fault != FaultCode::kNone) {
     enter(seen_.enabled ? DriveState::kFaultReaction : DriveState::kFault);
+    ramp_for_fault();
     return;
   }
   switch (state_) {
@@ -60,15 +61,24 @@ void Drive::follow_loop() {
       if (enabling_ && seen_.enabled) enter(DriveState::kOperationEnabled);
       break;
     case DriveState::kQuickStopActive:
-      if (standing_) enter(DriveState::kSwitchOnDisabled);
+      if (standing_ && !stays_) enter(DriveState::kSwitchOnDisabled);
       break;
     default: break;
   }
 }
 
+void Drive::ramp_for_fault() {
+  if (state_ != DriveState::kFaultReaction || ramped_fault_ == seen_.fault_count) return;
+  ramped_fault_ = seen_.fault_count;
+  if (option(Register::kFaultOption) != StopOption::kRamp) return;
+  slow_down();
+  loop_->note_ramp(seen_.fault_count);
+}
+
 void Drive::obey() {
   const DriveState wanted = next_state(state_, command_of(controlword_));
   if (obey_enable(wanted)) return;
+  if (goes_on()) return enter(DriveState::kOperationEnabled);
   if (wanted == state_) {
     slowing_ = false;
     if (state_ == DriveState::kOperationEnabled) obey_halt();
@@ -79,11 +89,27 @@ void Drive::obey() {
     slowing_ = true;
     return;
   }
-  if (wanted == DriveState::kQuickStopActive) {
+  if (wanted == DriveState::kQuickStopActive) return quick_stop();
+  enter(wanted);
+}
+
+void Drive::quick_stop() {
+  const StopOption how = option(Register::kQuickStopOption);
+  if (how == StopOption::kOff) return enter(DriveState::kSwitchOnDisabled);
+  stays_ = how == StopOption::kRampAndStay || how == StopOption::kQuickAndStay;
+  if (how == StopOption::kRamp || how == StopOption::kRampAndStay) {
+    slow_down();
+  } else {
     axis_->request_stop();
     if (moving_) given_up_ = true;
   }
-  enter(wanted);
+  enter(DriveState::kQuickStopActive);
+}
+
+// CiA 402's transition 16: out of a quick stop that stays, once it stands.
+bool Drive::goes_on() const {
+  return state_ == DriveState::kQuickStopActive && stays_ && standing_ &&
+         command_of(controlword_) == DriveCommand::kEnableOperation;
 }
 
 // The output stage is asked for only when it is known to be off, or the axis would go on from where it was instead of
@@ -105,6 +131,8 @@ void Drive::obey_halt() {
     slow_down();
   }
 }
+
+StopOption Drive::option(Register name) const { return static_cast<StopOption>(parameters_->get(name)); }
 
 void Drive::slow_down() {
   if (!axis_->halt(profile_limits(*parameters_), nullptr).ok()) axis_->request_stop();

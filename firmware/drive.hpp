@@ -19,7 +19,10 @@ namespace stillpoint::firmware {
 //     resumed, set-points are refused while the bit is set.
 //   - Disable operation (5) ramps like that and then switches off; shutdown (8) and disable voltage (9) switch off at
 //     once, whatever moves.
-//   - Quick stop is option 2: ramp, then switch-on disabled.
+//   - Quick stop is what 0078 says; by delivery option 2, a ramp at the quick-stop limits, then switch-on disabled.
+//     From one that stays (5, 6) enable operation goes on once it stands.
+//   - A fault reaction is what 0079 says. The profile's ramp (1) is begun here and so waits for a plan under way; where
+//     that takes more than kRampPatienceTicks the loop stops by itself.
 //   - A set-point while the axis moves takes over in flight if it is to (bit 5, at once), with the profile's limits as
 //     they are then; else it is refused (bit 12 stays 0, reason in 0012), never queued. In flight a relative one counts
 //     from the target in force. One that comes while a shaper is on its way waits for it.
@@ -47,6 +50,10 @@ class Drive {
   void obey();
   bool obey_enable(DriveState wanted);
   void obey_halt();
+  void quick_stop();
+  bool goes_on() const;
+  void ramp_for_fault();
+  StopOption option(Register name) const;
   void slow_down();
   void enter(DriveState state);
   bool target_reached() const;
@@ -60,10 +67,12 @@ class Drive {
   uint32_t tick_us_ = 0;
   uint16_t controlword_ = 0;
   DriveState state_ = DriveState::kNotReady;
-  int32_t target_ = 0;     // of the last move taken
-  bool standing_ = false;  // at rest, and nothing waits to change that
-  bool enabling_ = false;  // in switched on: the output stage has been asked for
-  bool slowing_ = false;   // in operation enabled: the ramp before disabling
+  int32_t target_ = 0;         // of the last move taken
+  bool standing_ = false;      // at rest, and nothing waits to change that
+  bool enabling_ = false;      // in switched on: the output stage has been asked for
+  bool stays_ = false;         // in quick stop active: until told to go on
+  uint32_t ramped_fault_ = 0;  // the loop's fault_count that has been looked at
+  bool slowing_ = false;       // in operation enabled: the ramp before disabling
   bool halting_ = false;
   bool set_point_waits_ = false;
   bool set_point_taken_ = false;  // bit 12

@@ -113,6 +113,8 @@ constexpr Parameter kParameters[kParameterCount] = {
     shown(R::kServoTicks, T::kU32, 0, 0, "servo ticks", "ticks"),
     shown(R::kServoMissing, T::kU32, 0, 0, "servo feedbacks missing", "ticks"),
     shown(R::kServoLinkLosses, T::kU32, 0, 0, "servo link losses"),
+    shown(R::kTickOverruns, T::kU32, 0, 0, "ticks not ended when the next was due", "ticks"),
+    with(Effect::kWatch, locked(value(R::kClientWatchdogMs, T::kU16, 0, 0, 60000, 0, "client link watchdog", "ms"))),
 
     with(Effect::kControlword, value(R::kControlword, T::kU16, 0x6040, 0, kU16Max, 0, "controlword", "bits")),
     shown(R::kStatusword, T::kU16, 0x6041, 0, "statusword", "bits"),
@@ -136,15 +138,18 @@ constexpr Parameter kParameters[kParameterCount] = {
           limit(R::kQuickStopDeceleration, 0x6085, kStopDeceleration, "quick-stop deceleration", "counts/s^2")),
     profile(R::kProfileJerk, 0x60A4, 600000, R::kMaximumJerk, "jerk", "1000 counts/s^3"),
     value(R::kProfileType, T::kI16, 0x6086, 0, 3, 3, "profile type", "", one_of(0, 1, 3)),
-    // Not watched yet: anything but off would promise what nobody keeps.
-    locked(value(R::kFollowingErrorWindow, T::kU32, 0x6065, 0, 0, 0, "following-error window", "counts")),
-    locked(value(R::kFollowingErrorTimeMs, T::kU16, 0x6066, 0, kU16Max, 10, "following-error time", "ms")),
-    with(Effect::kPositionWindow,
-         value(R::kPositionWindow, T::kU32, 0x6067, 0, kU32Max, 100, "position window", "counts")),
+    with(Effect::kWatch,
+         locked(value(R::kFollowingErrorWindow, T::kU32, 0x6065, 0, kU32Max, 0, "following-error window", "counts"))),
+    with(Effect::kWatch,
+         locked(value(R::kFollowingErrorTimeMs, T::kU16, 0x6066, 0, kU16Max, 10, "following-error time", "ms"))),
+    with(Effect::kWatch, value(R::kPositionWindow, T::kU32, 0x6067, 0, kU32Max, 100, "position window", "counts")),
     value(R::kPositionTimeMs, T::kU16, 0x6068, 0, kU16Max, 20, "position window time", "ms"),
     // Low at or above high: none.
     soft_limit(R::kSoftLimitLow, "soft limit low"),
     soft_limit(R::kSoftLimitHigh, "soft limit high"),
+    locked(value(R::kQuickStopOption, T::kI16, 0x605A, 0, 6, 2, "quick-stop option", "",
+                 one_of(0, 1, 2) | one_of(5, 6))),
+    with(Effect::kWatch, locked(value(R::kFaultOption, T::kI16, 0x605E, 0, 2, 2, "fault option", ""))),
 
     value(R::kModeCount, T::kU16, 0, 0, kMaxModes, 0, "modes staged", ""),
     with(Effect::kShaperSet, value(R::kShaperSet, T::kU16, 0, 0, kShaperSets - 1, 0, "shaper set", "")),

@@ -19,15 +19,7 @@ enum class Access : uint8_t { kRead, kReadWrite, kWrite };
 enum class Lock : uint8_t { kOpen, kNeedsKey };
 
 // What else happens when a value is written; nothing for most.
-enum class Effect : uint8_t {
-  kNone,
-  kControlword,
-  kCommandKey,
-  kApplyShaper,
-  kAxisLimits,
-  kPositionWindow,
-  kShaperSet
-};
+enum class Effect : uint8_t { kNone, kControlword, kCommandKey, kApplyShaper, kAxisLimits, kWatch, kShaperSet };
 
 struct Parameter {
   Register name;
@@ -50,7 +42,7 @@ struct Parameter {
   constexpr bool writable() const { return access != Access::kRead; }
 };
 
-constexpr size_t kParameterCount = 83;
+constexpr size_t kParameterCount = 87;
 constexpr size_t kNoParameter = kParameterCount;
 
 // Sorted by address.

@@ -66,7 +66,36 @@ void RegisterBank::begin(const Parts& parts) {
   parts_ = parts;
   const double tick_s = parts.axis->config().tick_s;
   ticks_per_second_ = tick_s > 0.0 ? static_cast<uint32_t>(1.0 / tick_s + 0.5) : 0;
-  parts_.loop->set_position_window(parts_.parameters->get(Register::kPositionWindow));
+  watch();
+}
+
+// Everything that the loop watches, as the registers have it.
+void RegisterBank::watch() {
+  const Parameters& parameters = *parts_.parameters;
+  ControlLoop& loop = *parts_.loop;
+  const uint32_t window = parameters.get(Register::kPositionWindow);
+  FeedbackLimits limits = {};
+  limits.following_window = parameters.get(Register::kFollowingErrorWindow);
+  limits.ticks = ticks_of(parameters.get(Register::kFollowingErrorTimeMs));
+  limits.most_per_tick = most_per_tick(parameters.get(Register::kMaximumVelocity));
+  limits.low = parameters.get_signed(Register::kSoftLimitLow);
+  limits.high = parameters.get_signed(Register::kSoftLimitHigh);
+  limits.margin = window;
+  loop.watch(limits);
+  loop.set_position_window(window);
+  loop.set_client_watchdog(parameters.get(Register::kClientWatchdogMs));
+  loop.set_fault_option(static_cast<StopOption>(parameters.get(Register::kFaultOption)));
+}
+
+uint32_t RegisterBank::ticks_of(uint32_t ms) const {
+  return static_cast<uint32_t>(uint64_t{ms} * ticks_per_second_ / 1000U);
+}
+
+// Twice the axis's fastest, and what a coarse encoder may jump by.
+uint32_t RegisterBank::most_per_tick(uint32_t velocity) const {
+  constexpr uint32_t kJitterCounts = 1000;
+  const uint64_t counts = ticks_per_second_ == 0 ? 0 : uint64_t{velocity} * 2 / ticks_per_second_ + kJitterCounts;
+  return counts < UINT32_MAX ? static_cast<uint32_t>(counts) : UINT32_MAX;
 }
 
 void RegisterBank::set_uptime(uint32_t uptime_ms) {
@@ -177,7 +206,8 @@ void RegisterBank::commit(const Request& request) {
 void RegisterBank::set_off(const Parameter& parameter, uint32_t value) {
   switch (parameter.effect) {
     case Effect::kControlword: parts_.drive->write_controlword(static_cast<uint16_t>(value)); break;
-    case Effect::kPositionWindow: parts_.loop->set_position_window(value); break;
+    case Effect::kAxisLimits:  // done by the check, which is the axis's own
+    case Effect::kWatch: watch(); break;
     case Effect::kApplyShaper:
       if (value == kApplyAtRest || value == kApplyBlended) {
         parts_.shaper->request_apply(value == kApplyBlended ? Retune::kBlended : Retune::kAtRest);
@@ -190,8 +220,7 @@ void RegisterBank::set_off(const Parameter& parameter, uint32_t value) {
       unlocked_at_ms_ = uptime_ms_;
       parts_.parameters->set(Register::kCommandResult, static_cast<uint32_t>(CommandResult::kDone));
       break;
-    case Effect::kAxisLimits:  // done by the check, which is the axis's own
-    case Effect::kShaperSet:   // done before the others
+    case Effect::kShaperSet:  // done before the others
     case Effect::kNone: break;
   }
 }

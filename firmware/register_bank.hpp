@@ -5,6 +5,7 @@
 #include <stdint.h>
 
 #include "firmware/drive.hpp"
+#include "firmware/fault_log.hpp"
 #include "firmware/modbus_pdu.hpp"
 #include "firmware/parameters.hpp"
 #include "firmware/shaper_settings.hpp"
@@ -29,6 +30,7 @@ class RegisterBank {
     Drive* drive;
     ShaperSettings* shaper;
     Parameters* parameters;
+    const FaultLog* faults;
   };
 
   void begin(const Parts& parts);
@@ -46,6 +48,9 @@ class RegisterBank {
  private:
   struct Request;
 
+  void watch();
+  uint32_t ticks_of(uint32_t ms) const;
+  uint32_t most_per_tick(uint32_t velocity) const;
   void refresh();
   void refresh_motion(const LoopSnapshot& loop);
   ModbusException check_addresses(const Request& request) const;

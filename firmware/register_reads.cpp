@@ -10,11 +10,16 @@ int32_t saturated(int64_t value) {
   return value < INT32_MIN ? INT32_MIN : static_cast<int32_t>(value);
 }
 
+bool in_fault_history(uint32_t address) {
+  return address >= kFirstFaultEntry && address < kFirstFaultEntry + kFaultEntries * kFaultEntryStride;
+}
+
 }  // namespace
 
 ModbusException RegisterBank::read(uint16_t first, uint32_t count, uint16_t* words) {
   for (uint32_t i = 0; i < count; ++i) {
     const uint32_t address = first + i;
+    if (in_fault_history(address)) continue;
     if (address > UINT16_MAX || find_parameter(static_cast<uint16_t>(address)) == kNoParameter) {
       return ModbusException::kIllegalAddress;
     }
@@ -22,6 +27,11 @@ ModbusException RegisterBank::read(uint16_t first, uint32_t count, uint16_t* wor
   refresh();
   for (uint32_t i = 0; i < count; ++i) {
     const uint32_t address = first + i;
+    if (in_fault_history(address)) {
+      const uint32_t at = address - kFirstFaultEntry;
+      words[i] = parts_.faults->word(at / kFaultEntryStride, at % kFaultEntryStride);
+      continue;
+    }
     const size_t index = find_parameter(static_cast<uint16_t>(address));
     const uint32_t value = parts_.parameters->value(index);
     const bool high = kParameters[index].words() == 2 && address == address_of(kParameters[index].name);
@@ -41,6 +51,7 @@ void RegisterBank::refresh() {
   parameters.set(Register::kServoTicks, loop.ticks);
   parameters.set(Register::kServoMissing, loop.missing);
   parameters.set(Register::kServoLinkLosses, loop.link_losses);
+  parameters.set(Register::kTickOverruns, loop.overruns);
   parameters.set(Register::kStatusword, parts_.drive->statusword());
   refresh_motion(loop);
 }

@@ -27,6 +27,8 @@ enum class Register : uint16_t {
   kServoTicks = 0x0018,
   kServoMissing = 0x001A,
   kServoLinkLosses = 0x001C,
+  kTickOverruns = 0x001E,
+  kClientWatchdogMs = 0x0023,
   kControlword = 0x0040,
   kStatusword = 0x0041,
   kMode = 0x0042,
@@ -53,6 +55,8 @@ enum class Register : uint16_t {
   kPositionTimeMs = 0x0072,
   kSoftLimitLow = 0x0074,
   kSoftLimitHigh = 0x0076,
+  kQuickStopOption = 0x0078,
+  kFaultOption = 0x0079,
   kModeCount = 0x0100,
   kShaperSet = 0x0101,
   kFirstMode = 0x0102,
@@ -76,6 +80,10 @@ constexpr uint16_t address_of(Register name) { return static_cast<uint16_t>(name
 constexpr uint32_t kMaxModes = 4;
 constexpr uint32_t kShaperSets = 8;
 constexpr uint32_t kModeStride = 8;
+
+// The fault history: sixteen registers an entry, the newest first; see FaultLog::word.
+constexpr uint16_t kFirstFaultEntry = 0x0500;
+constexpr uint32_t kFaultEntryStride = 16;
 
 enum class ModeField : uint16_t {
   kFrequency = 0,
@@ -107,12 +115,24 @@ enum class CommandResult : uint16_t { kIdle, kBusy, kDone, kFailed };
 
 enum class ShaperState : uint16_t { kOff, kActive, kPending, kRefused };
 
-// 0010 (603Fh).
+// 0010 (603Fh), and in the fault history. All latch until they are reset; the reaction is 0079's.
 enum class FaultCode : uint16_t {
   kNone = 0,
-  kFeedbackMissing = 0x7300,  // sensor: three feedbacks in a row lost or invalid
-  kLinkSilent = 0x8130,       // heartbeat: no servo tick for 100 ms of the own timer; a host that is too slow
+  kWatchdog = 0x6010,            // software reset: the watchdog bit, noted at the start after it
+  kTickOverrun = 0x6100,         // internal software: a tick had not ended when the next was due
+  kStackOverflow = 0x6101,       // internal software: the guard below the stack is not what it was
+  kParametersBad = 0x6310,       // loss of parameters: neither stored image is sound; the defaults are in force
+  kFeedbackMissing = 0x7300,     // sensor: three feedbacks in a row lost or invalid
+  kEncoderImplausible = 0x7305,  // incremental sensor 1: it moved further in a tick than the axis can
+  kClientSilent = 0x8100,        // communication: no request within the time of 0023
+  kLinkSilent = 0x8130,          // heartbeat: no servo tick for 100 ms of the own timer; a host that is too slow
+  kFollowingError = 0x8611,      // the position left its window around the shaped demand for too long
+  kPositionLimit = 0x8612,       // reference limit: the position is beyond a soft limit
 };
+
+// 605Ah and 605Eh. The ramp is the profile's and goes through the shaper, so it ends still; the quick stop does not
+// wait for that. `Stay`: in quick stop active, until told to go on.
+enum class StopOption : uint16_t { kOff, kRamp, kQuick, kRampAndStay = 5, kQuickAndStay = 6 };
 
 // 0011.
 constexpr uint16_t kWarningFeedbackMissing = 0x0001;  // the newest feedback was lost or invalid

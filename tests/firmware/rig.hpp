@@ -59,13 +59,15 @@ struct Line final : hal::ByteStream {
   }
 };
 
-// Stands where it was put while disabled, follows exactly while enabled.
+// Stands where it was put while disabled, follows exactly while enabled, but for what is wrong with it.
 struct Servo final : hal::ServoPort {
   int64_t position = 0;
   uint16_t sequence = 100;
   bool valid = true;
   bool commit = true;
   bool count_up = true;
+  bool stuck = false;       // the motor
+  int64_t encoder_off = 0;  // what the encoder reads too much
   std::vector<hal::ServoCommand> commands;
 
   void disable() override {
@@ -73,9 +75,9 @@ struct Servo final : hal::ServoPort {
   }
   hal::ServoFeedback exchange(const hal::ServoCommand& command) override {
     commands.push_back(command);
-    if (command.enabled) position = command.setpoint;
+    if (command.enabled && !stuck) position = command.setpoint;
     if (count_up) ++sequence;
-    return {position, 0, sequence, valid, commit};
+    return {position + encoder_off, 0, sequence, valid, commit};
   }
   bool enabled() const { return !commands.empty() && commands.back().enabled; }
   int64_t setpoint() const { return commands.back().setpoint; }
@@ -92,10 +94,11 @@ struct Rig {
   Servo servo;
   Line line;
   Dog dog;
+  firmware::FaultMemory faults = {};
 
   Rig() {
     TEST_ASSERT_OK(axis.configure(firmware::kDefaultAxis));
-    drive.begin(axis, {&servo, &line, &dog});
+    drive.begin(axis, {&servo, &line, &dog, &faults});
     step(2);
   }
 

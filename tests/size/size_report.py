@@ -77,20 +77,20 @@ def by_module_of_image(tree):
         if line[:1] == ".":
             output = line.split()[0]
         part = re.fullmatch(r" (\S+) +0x[0-9a-f]+ +0x([0-9a-f]+)(?: (.*))?", line)
-        if not part or output not in (".vectors", ".text", ".rodata", ".data", ".bss", ".ARM.exidx"):
+        if not part or output not in (".vectors", ".text", ".rodata", ".data", ".bss", ".noinit", ".ARM.exidx"):
             continue
         used = sizes["(alignment)" if part[1] == "*fill*" else module_of(part[3] or "(linker)", tree, modules)]
-        if output != ".bss":
+        if output not in (".bss", ".noinit"):
             used[FLASH] += int(part[2], 16)
-        if output in (".bss", ".data"):
+        if output in (".bss", ".noinit", ".data"):
             used[RAM] += int(part[2], 16)
     return sizes
 
 
 def linked(tree):
     sections = {section.name: section.size for section in elf.Elf(tree / "stillpoint.elf").sections if section.allocated}
-    ram = sections.get(".data", 0) + sections.get(".bss", 0)
-    return [sum(sections.values()) - sections.get(".bss", 0), ram]
+    blank = sections.get(".bss", 0) + sections.get(".noinit", 0)
+    return [sum(sections.values()) - blank, sections.get(".data", 0) + blank]
 
 
 def main():

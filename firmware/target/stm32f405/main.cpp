@@ -7,6 +7,7 @@
 #include "firmware/target/stm32f405/clock.hpp"
 #include "firmware/target/stm32f405/pins.hpp"
 #include "firmware/target/stm32f405/servo_link_port.hpp"
+#include "firmware/target/stm32f405/stack_guard.hpp"
 #include "firmware/target/stm32f405/systick.hpp"
 #include "firmware/target/stm32f405/watchdog.hpp"
 #include "shaper/axis/axis.hpp"
@@ -26,10 +27,23 @@ Axis<firmware::kLineCapacity> axis;
 firmware::Application application;
 ClientBuffers client_buffers;
 ServoLinkState servo_link_state;
+__attribute__((section(".noinit"))) firmware::FaultMemory fault_memory;
 
 ClientStream client_stream(client_buffers);
 ServoLinkPort servo_link_port(servo_link_state);
 IndependentWatchdog watchdog;
+
+void tick() {
+  const Overrun overrun;
+  application.tick();
+  if (overrun.happened()) application.note_overrun();
+}
+
+bool watchdog_bit() {
+  const bool bit = (rcc().CSR & Rcc::kCsrWatchdogReset) != 0;
+  rcc().CSR = rcc().CSR | Rcc::kCsrForgetResets;
+  return bit;
+}
 
 }  // namespace
 
@@ -41,7 +55,7 @@ void safe_state() { set_enable_line(false); }
 void usart2_handler();
 void usart2_handler() {
   const bool sync = servo_link_port.on_interrupt();
-  if (kTickSource == TickSource::kServoLink && sync) application.tick();
+  if (kTickSource == TickSource::kServoLink && sync) tick();
 }
 
 void usart1_handler();
@@ -49,18 +63,22 @@ void usart1_handler() { client_stream.on_interrupt(); }
 
 void systick_handler();
 void systick_handler() {
+  if (!StackGuard::intact()) application.note_fault(firmware::FaultCode::kStackOverflow);
   application.own_timer_tick();
-  if (kTickSource == TickSource::kOwnTimer) application.tick();
+  if (kTickSource == TickSource::kOwnTimer) tick();
 }
 
 }  // extern "C"
 
 int main() {
+  StackGuard::lay();
   set_up_pins();
+  const bool bitten = watchdog_bit();
   watchdog.start();
   const Clock clock = start_clock();
   if (!axis.configure(firmware::kDefaultAxis).ok()) safe_state();
-  application.begin(axis, {&servo_link_port, &client_stream, &watchdog});
+  application.begin(axis, {&servo_link_port, &client_stream, &watchdog, &fault_memory});
+  if (bitten) application.note_fault(firmware::FaultCode::kWatchdog);
   client_stream.set_up(clock.apb2_hz);
   servo_link_port.set_up(clock.apb1_hz);
   start_systick(clock.core_hz);

@@ -12,7 +12,8 @@ using Register = volatile uint32_t;
 
 struct Rcc {  // RM0090 7.3
   Register CR, PLLCFGR, CFGR, CIR, AHB1RSTR, AHB2RSTR, AHB3RSTR, reserved0, APB1RSTR, APB2RSTR, reserved1[2], AHB1ENR,
-      AHB2ENR, AHB3ENR, reserved2, APB1ENR, APB2ENR;
+      AHB2ENR, AHB3ENR, reserved2, APB1ENR, APB2ENR, reserved3[2], AHB1LPENR, AHB2LPENR, AHB3LPENR, reserved4,
+      APB1LPENR, APB2LPENR, reserved5[2], BDCR, CSR;
 
   static constexpr uint32_t kCrHsiOn = 1u << 0, kCrHsiReady = 1u << 1;
   static constexpr uint32_t kCrHseOn = 1u << 16, kCrHseReady = 1u << 17;
@@ -24,8 +25,10 @@ struct Rcc {  // RM0090 7.3
   static constexpr uint32_t kAhb1GpioA = 1u << 0, kAhb1GpioC = 1u << 2;
   static constexpr uint32_t kApb1Usart2 = 1u << 17;
   static constexpr uint32_t kApb2Usart1 = 1u << 4;
+  static constexpr uint32_t kCsrWatchdogReset = 1u << 29, kCsrForgetResets = 1u << 24;  // IWDGRSTF, RMVF
 };
 static_assert(offsetof(Rcc, APB2ENR) == 0x44, "RM0090 7.3.14");
+static_assert(offsetof(Rcc, CSR) == 0x74, "RM0090 7.3.21");
 
 struct Flash {  // RM0090 3.9
   Register ACR;

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "firmware/feedback_watch.hpp"
+
+#include "shaper/base/shared.hpp"
+
+namespace stillpoint::firmware {
+namespace {
+
+bool exceeds(Signal difference, uint32_t counts) {
+  const uint64_t magnitude =
+      difference < 0 ? uint64_t{0} - static_cast<uint64_t>(difference) : static_cast<uint64_t>(difference);
+  return magnitude > uint64_t{counts} << kSignalFractionBits;
+}
+
+// One tick more outside, or none; true once it has been too many.
+bool lasts(bool outside, uint32_t allowed, uint32_t& ticks) {
+  if (!outside) {
+    ticks = 0;
+    return false;
+  }
+  return ++ticks > allowed;
+}
+
+}  // namespace
+
+void FeedbackWatch::set(const FeedbackLimits& limits) {
+  store(following_window_, limits.following_window);
+  store(ticks_, limits.ticks);
+  store(most_per_tick_, limits.most_per_tick);
+  store(margin_, limits.margin);
+  store(low_, static_cast<uint32_t>(limits.low));
+  store(high_, static_cast<uint32_t>(limits.high));
+}
+
+FaultCode FeedbackWatch::look(Signal setpoint, Signal position, Signal change, bool neighbours) {
+  const uint32_t most = load(most_per_tick_);
+  if (neighbours && most != 0 && exceeds(change, most)) return FaultCode::kEncoderImplausible;
+  const uint32_t allowed = load(ticks_);
+  const uint32_t window = load(following_window_);
+  const bool lags = window != 0 && exceeds(wrapping_difference(setpoint, position), window);
+  if (lasts(lags, allowed, lagging_)) return FaultCode::kFollowingError;
+  const auto low = static_cast<int32_t>(load(low_));
+  const auto high = static_cast<int32_t>(load(high_));
+  const int64_t margin = load(margin_);
+  const int64_t counts = position >> kSignalFractionBits;
+  const bool beyond = low < high && (counts < low - margin || counts > high + margin);
+  return lasts(beyond, allowed, beyond_) ? FaultCode::kPositionLimit : FaultCode::kNone;
+}
+
+void FeedbackWatch::restart() {
+  lagging_ = 0;
+  beyond_ = 0;
+}
+
+}  // namespace stillpoint::firmware

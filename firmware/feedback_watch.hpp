@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the feedback of a tick says against the drive.
+#pragma once
+
+#include <stdint.h>
+
+#include "firmware/registers.hpp"
+#include "shaper/base/signal.hpp"
+
+namespace stillpoint::firmware {
+
+// Each is off at 0, the position limits where low >= high. Counts, and ticks in a row.
+struct FeedbackLimits {
+  uint32_t following_window;  // half its width, around the shaped demand
+  uint32_t ticks;             // that the following error or the position may be outside
+  uint32_t most_per_tick;     // of movement between two neighbouring feedbacks
+  int32_t low;                // of the position
+  int32_t high;
+  uint32_t margin;  // beyond low and high
+};
+
+// Tick context, but for `set`. Zero-initialised it watches nothing.
+class FeedbackWatch {
+ public:
+  // Background. Each limit takes effect by itself, at any tick from here on.
+  void set(const FeedbackLimits& limits);
+
+  // Of one tick with valid feedback while the drive is enabled. `change` since the feedback of the tick before;
+  // `neighbours` false where that is missing. The first fault that applies, or kNone.
+  FaultCode look(Signal setpoint, Signal position, Signal change, bool neighbours);
+
+  // As if it had begun anew: for enabling.
+  void restart();
+
+ private:
+  // Background's, one word each.
+  uint32_t following_window_ = 0;
+  uint32_t ticks_ = 0;
+  uint32_t most_per_tick_ = 0;
+  uint32_t low_ = 0;
+  uint32_t high_ = 0;
+  uint32_t margin_ = 0;
+
+  // Ticks in a row outside.
+  uint32_t lagging_ = 0;
+  uint32_t beyond_ = 0;
+};
+
+}  // namespace stillpoint::firmware

@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "firmware/feedback_watch.hpp"
+
+#include "tests/support/test.hpp"
+
+using namespace stillpoint;
+using namespace stillpoint::firmware;
+
+namespace {
+
+constexpr Signal at(int32_t counts) { return signal_from_counts(counts); }
+
+FeedbackLimits limits() {
+  FeedbackLimits limits{};
+  limits.following_window = 100;
+  limits.ticks = 3;
+  limits.most_per_tick = 5000;
+  limits.low = -2000;
+  limits.high = 3000;
+  limits.margin = 50;
+  return limits;
+}
+
+struct Watching {
+  FeedbackWatch watch = {};
+  Watching() { watch.set(limits()); }
+
+  // Ticks until the fault, 0 for none within ten.
+  uint32_t ticks_until(FaultCode fault, Signal setpoint, Signal position, Signal change = 0, bool neighbours = true) {
+    for (uint32_t tick = 1; tick <= 10; ++tick) {
+      const FaultCode seen = watch.look(setpoint, position, change, neighbours);
+      if (seen == fault) return tick;
+      TEST_ASSERT_EQUAL_ENUM(FaultCode::kNone, seen);
+    }
+    return 0;
+  }
+};
+
+TEST(a_watch_that_was_never_set_sees_nothing) {
+  FeedbackWatch watch = {};
+  TEST_ASSERT_EQUAL_ENUM(FaultCode::kNone, watch.look(at(INT32_MAX), at(INT32_MIN), at(INT32_MAX), true));
+}
+
+TEST_F(Watching, a_following_error_may_last_for_its_time_and_no_longer) {
+  TEST_ASSERT_EQUAL_UINT32(0, ticks_until(FaultCode::kFollowingError, at(1000), at(900)));
+  TEST_ASSERT_EQUAL_UINT32(0, ticks_until(FaultCode::kFollowingError, at(900), at(1000)));
+  TEST_ASSERT_EQUAL_UINT32(4, ticks_until(FaultCode::kFollowingError, at(1000), at(900) - 1));
+  watch.restart();
+  TEST_ASSERT_EQUAL_UINT32(4, ticks_until(FaultCode::kFollowingError, at(900) - 1, at(1000)));
+}
+
+TEST_F(Watching, a_following_error_that_ends_in_time_is_none) {
+  for (int i = 0; i < 20; ++i) {
+    for (int k = 0; k < 3; ++k) TEST_ASSERT_EQUAL_ENUM(FaultCode::kNone, watch.look(at(1000), at(0), 0, true));
+    TEST_ASSERT_EQUAL_ENUM(FaultCode::kNone, watch.look(at(1000), at(1000), 0, true));
+  }
+}
+
+TEST_F(Watching, a_jump_between_neighbours_is_implausible_and_over_a_gap_it_is_not) {
+  TEST_ASSERT_EQUAL_UINT32(0, ticks_until(FaultCode::kEncoderImplausible, 0, 0, at(5000)));
+  TEST_ASSERT_EQUAL_UINT32(1, ticks_until(FaultCode::kEncoderImplausible, 0, 0, at(5000) + 1));
+  TEST_ASSERT_EQUAL_UINT32(1, ticks_until(FaultCode::kEncoderImplausible, 0, 0, -at(5000) - 1));
+  TEST_ASSERT_EQUAL_UINT32(0, ticks_until(FaultCode::kEncoderImplausible, 0, 0, at(1000000), false));
+  TEST_ASSERT_EQUAL_UINT32(1, ticks_until(FaultCode::kEncoderImplausible, 0, 0, INT64_MIN));
+}
+
+TEST_F(Watching, a_position_beyond_a_soft_limit_by_more_than_the_margin_is_one) {
+  TEST_ASSERT_EQUAL_UINT32(0, ticks_until(FaultCode::kPositionLimit, at(3050), at(3050)));
+  TEST_ASSERT_EQUAL_UINT32(4, ticks_until(FaultCode::kPositionLimit, at(3051), at(3051)));
+  watch.restart();
+  TEST_ASSERT_EQUAL_UINT32(0, ticks_until(FaultCode::kPositionLimit, at(-2050), at(-2050)));
+  TEST_ASSERT_EQUAL_UINT32(4, ticks_until(FaultCode::kPositionLimit, at(-2050), at(-2050) - 1));
+}
+
+TEST_F(Watching, without_soft_limits_and_windows_there_are_no_ends) {
+  FeedbackLimits open = limits();
+  open.low = open.high = 0;
+  open.following_window = 0;
+  open.most_per_tick = 0;
+  watch.set(open);
+  TEST_ASSERT_EQUAL_UINT32(0, ticks_until(FaultCode::kPositionLimit, at(INT32_MIN), at(INT32_MAX), at(INT32_MAX)));
+}
+
+// Positions wrap; so does what they differ by.
+TEST_F(Watching, the_end_of_the_position_range_is_no_following_error) {
+  FeedbackLimits open = limits();
+  open.low = open.high = 0;
+  watch.set(open);
+  TEST_ASSERT_EQUAL_UINT32(0, ticks_until(FaultCode::kFollowingError, at(INT32_MIN), at(INT32_MAX)));
+}
+
+}  // namespace
