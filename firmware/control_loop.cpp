@@ -36,11 +36,12 @@ void ControlLoop::tick() {
   // The phase is of the tick before, so the drive has been given one standing setpoint under torque.
   if (state_.fault != FaultCode::kNone && state_.axis.phase == AxisPhase::kAtRest) end_fault_reaction();
   enable_if_asked();
+  home_if_asked();
   wait_for_ramp();
   // In a fault nothing new starts, not even what was planned before it, but for the ramp that ends it.
   const Signal setpoint = axis_->tick(ramping_ || (commit_ && state_.fault == FaultCode::kNone));
   told_enabled_ = state_.enabled;
-  take(servo_->exchange({setpoint, state_.enabled}));
+  take(servo_->exchange({wrapping_sum(setpoint, home_), state_.enabled}));
   watch_feedback(setpoint);
   count_settled(axis_->state());
   publish();
@@ -90,6 +91,18 @@ void ControlLoop::enable_if_asked() {
   state_.enabled = true;
 }
 
+void ControlLoop::home_if_asked() {
+  const uint32_t requested = load(homings_requested_);
+  if (requested == state_.homings || !state_.enabled || state_.fault != FaultCode::kNone) return;
+  if (state_.axis.phase != AxisPhase::kAtRest) return;
+  state_.homings = requested;
+  const Signal here = signal_from_counts(home_counts_);
+  const Signal shift = wrapping_difference(state_.axis.setpoint, here);
+  home_ = wrapping_sum(home_, shift);
+  state_.position = wrapping_difference(state_.position, shift);
+  axis_->reset(here);
+}
+
 // How many feedbacks are missing between the one before and this. A sequence that stands is a feedback seen already,
 // one that goes back is another drive's: its whole past is missing.
 uint32_t ControlLoop::lost_before(uint16_t sequence) {
@@ -114,12 +127,10 @@ void ControlLoop::take(const hal::ServoFeedback& feedback) {
   commit_ = feedback.commit && !stale;
   neighbours_ = usable && missing_in_a_row_ == 0 && state_.feedback_valid;
   if (usable) {
+    const Signal position = wrapping_difference(feedback.position, home_);
     // Only neighbours tell a velocity; the subtraction wraps, as positions from outside may be anything.
-    if (neighbours_) {
-      state_.position_change =
-          static_cast<Signal>(static_cast<uint64_t>(feedback.position) - static_cast<uint64_t>(state_.position));
-    }
-    state_.position = feedback.position;
+    if (neighbours_) state_.position_change = wrapping_difference(position, state_.position);
+    state_.position = position;
     missing_in_a_row_ = 0;
   }
   state_.feedback_valid = usable;

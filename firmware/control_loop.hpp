@@ -34,6 +34,7 @@ struct LoopSnapshot {
   uint32_t missing;
   uint32_t link_losses;
   uint32_t overruns;
+  uint32_t homings;
 };
 
 // Who may call what: `tick` and `own_timer_tick` are the tick's context (interrupts of one priority, or both called
@@ -61,6 +62,13 @@ class ControlLoop {
 
   // What the tick watches, from here on.
   void watch(const FeedbackLimits& limits) { feedback_watch_.set(limits); }
+
+  // Homing where it stands: at the next tick that finds the axis enabled and at rest, that place becomes `counts`, and
+  // `homings` in the snapshot goes up. Nothing moves. What the drive is told and reads is counted from there since.
+  void request_home(int32_t counts) {
+    home_counts_ = counts;
+    store(homings_requested_, load(homings_requested_) + 1);
+  }
 
   // How a fault ends: kOff, kRamp or kQuick. For kRamp the background is to halt the axis once it sees the fault, and
   // say so by `note_ramp`, with the count of the fault; where that takes too long the quick stop comes instead. kQuick
@@ -94,6 +102,7 @@ class ControlLoop {
   void enable_if_asked();
   void take(const hal::ServoFeedback& feedback);
   uint32_t lost_before(uint16_t sequence);
+  void home_if_asked();
   void watch_feedback(Signal setpoint);
   void watch_client();
   void take_requested_fault();
@@ -111,6 +120,8 @@ class ControlLoop {
   uint32_t wanted_enabled_ = 0;
   uint32_t clear_requested_ = 0;
   uint32_t window_counts_ = 0;
+  uint32_t homings_requested_ = 0;
+  int32_t home_counts_ = 0;
   uint32_t fault_option_ = 0;  // StopOption
   uint32_t ramped_fault_ = 0;  // the fault_count that it has begun the ramp of
   uint32_t client_heard_ = 0;
@@ -119,6 +130,7 @@ class ControlLoop {
 
   // The tick's own.
   LoopSnapshot state_ = {};
+  Signal home_ = 0;  // on the servo link, of what is position 0 here
   FeedbackWatch feedback_watch_ = {};
   uint32_t cleared_ = 0;
   bool awaits_ramp_ = false;  // a fault that is to end with a ramp has not seen it begin

@@ -10,6 +10,7 @@ void Drive::begin(AxisCore& axis, ControlLoop& loop, Parameters& parameters) {
   loop_ = &loop;
   parameters_ = &parameters;
   tick_us_ = static_cast<uint32_t>(axis.config().tick_s * 1e6 + 0.5);
+  mode_ = OperationMode::kProfilePosition;
 }
 
 void Drive::write_controlword(uint16_t controlword) {
@@ -33,16 +34,43 @@ void Drive::write_controlword(uint16_t controlword) {
   }
 }
 
+void Drive::write_velocity() { velocity_waits_ = state_ == DriveState::kOperationEnabled; }
+
 void Drive::service() {
   // In this order: a tick between the two can then only show a move later than it began, never an end too early.
   const bool pending = axis_->pending();
   seen_ = loop_->snapshot();
   standing_ = !pending && seen_.axis.phase == AxisPhase::kAtRest;
   if (standing_) moving_ = false;
+  follow_mode();
   follow_loop();
   obey();
   loop_->request_enabled(enabling_ || state_ == DriveState::kOperationEnabled ||
                          state_ == DriveState::kQuickStopActive);
+}
+
+void Drive::follow_mode() {
+  if (homing_ && seen_.homings != homings_) {
+    homing_ = false;
+    homed_ = true;
+  }
+  const auto wanted = static_cast<OperationMode>(parameters_->get(Register::kMode));
+  if (wanted == mode_ || !standing_ || homing_) return;
+  mode_ = wanted;
+  parameters_->set(Register::kModeDisplay, static_cast<uint32_t>(wanted));
+  start_mode();
+}
+
+// Nothing of an earlier mode, or of an earlier time in this one, goes on.
+void Drive::start_mode() {
+  set_point_waits_ = false;
+  set_point_taken_ = false;
+  homing_ = false;
+  homed_ = false;
+  homing_failed_ = false;
+  velocity_ = 0;
+  velocity_waits_ = false;
+  parameters_->set(Register::kTargetVelocity, 0);
 }
 
 void Drive::follow_loop() {
@@ -129,6 +157,8 @@ void Drive::obey_halt() {
   } else if (!halting_ && !standing_) {
     halting_ = true;
     slow_down();
+    velocity_ = 0;
+    velocity_waits_ = true;  // goes on afterwards
   }
 }
 
@@ -147,21 +177,52 @@ void Drive::enter(DriveState state) {
   halting_ = false;
   set_point_waits_ = false;
   set_point_taken_ = false;
+  homing_ = false;
   if (state == DriveState::kOperationEnabled) {
     moving_ = false;
     given_up_ = false;
+    velocity_ = 0;
+    velocity_waits_ = false;
+    parameters_->set(Register::kTargetVelocity, 0);
   }
 }
 
 void Drive::take_set_point(bool shaper_waiting) {
-  if (!set_point_waits_ || state_ != DriveState::kOperationEnabled) return;
-  if (halt_asked()) {
-    set_point_waits_ = false;
-    parameters_->note_refusal(kReasonHalted, address_of(Register::kControlword));
-    return;
-  }
-  if (shaper_waiting && !moving_) return;
+  if (state_ != DriveState::kOperationEnabled || (shaper_waiting && !moving_)) return;
+  if (mode_ == OperationMode::kProfileVelocity) return take_velocity();
+  if (!set_point_waits_) return;
   set_point_waits_ = false;
+  if (halt_asked()) return parameters_->note_refusal(kReasonHalted, address_of(Register::kControlword));
+  if (mode_ == OperationMode::kHoming) return home();
+  take_target();
+}
+
+void Drive::home() {
+  homed_ = false;
+  homing_failed_ = !standing_;
+  if (homing_failed_) return parameters_->note_refusal(kReasonNotStanding, address_of(Register::kControlword));
+  homing_ = true;
+  homings_ = seen_.homings;
+  loop_->request_home(0);
+}
+
+void Drive::take_velocity() {
+  if (!velocity_waits_ || halt_asked()) return;
+  const int32_t wanted = parameters_->get_signed(Register::kTargetVelocity);
+  MoveReport report = {};
+  const Status status = axis_->jog(wanted, profile_limits(*parameters_), &report);
+  if (status.error == Error::kBusy) return;  // what was asked for before has not begun; asked again
+  velocity_waits_ = false;
+  if (!status.ok()) return note_velocity_refusal(status, *parameters_);
+  note_move_report(report, *parameters_);
+  velocity_ = wanted;
+  velocity_ticks_ = report.total_ticks;
+  moving_ = true;
+  given_up_ = false;
+  if (loop_->snapshot().fault != FaultCode::kNone) axis_->request_stop();
+}
+
+void Drive::take_target() {
   const bool relative = (controlword_ & kControlRelative) != 0;
   const bool at_once = (controlword_ & kControlAtOnce) != 0;
   const Signal from = moving_ && !given_up_ ? signal_from_counts(target_) : seen_.axis.demand;
@@ -184,9 +245,22 @@ void Drive::take_set_point(bool shaper_waiting) {
 }
 
 bool Drive::target_reached() const {
+  if (mode_ == OperationMode::kProfileVelocity && velocity_ != 0 && !halting_) {
+    return state_ == DriveState::kOperationEnabled && !axis_->pending() && seen_.axis.track_ticks >= velocity_ticks_ &&
+           !velocity_waits_;
+  }
   if (state_ != DriveState::kOperationEnabled || moving_ || (given_up_ && !halt_asked())) return false;
   const uint64_t settled_us = uint64_t{seen_.settled_ticks} * tick_us_;
   return seen_.settled_ticks != 0 && settled_us >= uint64_t{parameters_->get(Register::kPositionTimeMs)} * 1000U;
+}
+
+uint32_t Drive::mode_bits() const {
+  switch (mode_) {
+    case OperationMode::kProfileVelocity:
+      return state_ == DriveState::kOperationEnabled && standing_ ? kStatusVelocityZero : 0U;
+    case OperationMode::kHoming: return (homed_ ? kStatusHomed : 0U) | (homing_failed_ ? kStatusHomingError : 0U);
+    default: return set_point_taken_ ? kStatusSetPointTaken : 0U;
+  }
 }
 
 uint16_t Drive::statusword() const {
@@ -194,7 +268,7 @@ uint16_t Drive::statusword() const {
   if (!seen_.link_silent && seen_.ticks != 0) word |= kStatusVoltageEnabled;
   if (seen_.link_silent || !seen_.feedback_valid) word |= kStatusWarning;
   if (target_reached()) word |= kStatusTargetReached;
-  if (set_point_taken_) word |= kStatusSetPointTaken;
+  word |= mode_bits();
   return static_cast<uint16_t>(word);
 }
 

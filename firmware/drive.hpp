@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// CiA 402: the drive's state, and the set-point handshake of profile position mode, unbuffered.
+// CiA 402: the drive's state, and its modes: profile position with the unbuffered set-point handshake, profile velocity,
+// homing where it stands.
 #pragma once
 
 #include <stdint.h>
@@ -26,6 +27,11 @@ namespace stillpoint::firmware {
 //   - A set-point while the axis moves takes over in flight if it is to (bit 5, at once), with the profile's limits as
 //     they are then; else it is refused (bit 12 stays 0, reason in 0012), never queued. In flight a relative one counts
 //     from the target in force. One that comes while a shaper is on its way waits for it.
+//   - Another mode (0042) is in force, and shown (0043), once the axis stands.
+//   - Profile velocity: what is written to 0052 while enabled is followed at once, with the profile's limits. Enabling,
+//     and entering the mode, set 0052 to 0, so that neither ever starts a motion. A halt slows to 0 and goes on after.
+//   - Homing (bit 4 rising, at rest): the place where the axis stands becomes position 0 (methods 35 and 37), in one
+//     tick, without motion. Bit 12 stays until the next homing or mode.
 class Drive {
  public:
   void begin(AxisCore& axis, ControlLoop& loop, Parameters& parameters);
@@ -33,10 +39,13 @@ class Drive {
   // Register 0040. Takes effect in this call as far as it can without a tick.
   void write_controlword(uint16_t controlword);
 
+  // Register 0052 has been written.
+  void write_velocity();
+
   // As often as possible. Short.
   void service();
 
-  // Plans and commands a set-point that waits. Long: see AxisCore::command. `shaper_waiting`: not yet.
+  // Plans and commands what waits: a set-point, another velocity. Long: see AxisCore::command. `shaper_waiting`: not yet.
   void take_set_point(bool shaper_waiting);
 
   DriveState state() const { return state_; }
@@ -46,6 +55,11 @@ class Drive {
   const LoopSnapshot& loop() const { return seen_; }
 
  private:
+  void follow_mode();
+  void take_target();
+  void take_velocity();
+  void home();
+  void start_mode();
   void follow_loop();
   void obey();
   bool obey_enable(DriveState wanted);
@@ -57,6 +71,7 @@ class Drive {
   void slow_down();
   void enter(DriveState state);
   bool target_reached() const;
+  uint32_t mode_bits() const;
   bool halt_asked() const { return (controlword_ & kControlHalt) != 0; }
 
   AxisCore* axis_ = nullptr;
@@ -66,6 +81,7 @@ class Drive {
   LoopSnapshot seen_ = {};
   uint32_t tick_us_ = 0;
   uint16_t controlword_ = 0;
+  OperationMode mode_ = {};  // in force
   DriveState state_ = DriveState::kNotReady;
   int32_t target_ = 0;         // of the last move taken
   bool standing_ = false;      // at rest, and nothing waits to change that
@@ -78,6 +94,13 @@ class Drive {
   bool set_point_taken_ = false;  // bit 12
   bool moving_ = false;           // from taking a set-point until the axis stands
   bool given_up_ = false;         // the last move was stopped on its way
+  int32_t velocity_ = 0;          // asked of the axis, in profile velocity
+  bool velocity_waits_ = false;   // written, and neither taken nor refused yet
+  uint32_t velocity_ticks_ = 0;   // of the motion in force, until the setpoint has that velocity
+  uint32_t homings_ = 0;          // the loop's, when homing was asked for
+  bool homing_ = false;
+  bool homed_ = false;
+  bool homing_failed_ = false;
 };
 
 }  // namespace stillpoint::firmware

@@ -118,7 +118,7 @@ constexpr Parameter kParameters[kParameterCount] = {
 
     with(Effect::kControlword, value(R::kControlword, T::kU16, 0x6040, 0, kU16Max, 0, "controlword", "bits")),
     shown(R::kStatusword, T::kU16, 0x6041, 0, "statusword", "bits"),
-    value(R::kMode, T::kI16, 0x6060, 1, 8, 1, "mode", "", one_of(1)),
+    value(R::kMode, T::kI16, 0x6060, 1, 8, 1, "mode", "", one_of(1 - 1, 3 - 1, 6 - 1)),
     shown(R::kModeDisplay, T::kI16, 0x6061, 1, "mode display"),
     value(R::kTargetPosition, T::kI32, 0x607A, kI32Min, kI32Max, 0, "target position", "counts"),
     shown(R::kActualPosition, T::kI32, 0x6064, 0, "actual position", "counts"),
@@ -126,6 +126,7 @@ constexpr Parameter kParameters[kParameterCount] = {
     shown(R::kDemandAfterShaping, T::kI32, 0x6062, 0, "demand after shaping", "counts"),
     shown(R::kFollowingError, T::kI32, 0x60F4, 0, "following error", "counts"),
     shown(R::kActualVelocity, T::kI32, 0x606C, 0, "actual velocity", "counts/s"),
+    with(Effect::kVelocity, value(R::kTargetVelocity, T::kI32, 0x60FF, kI32Min, kI32Max, 0, "target velocity", "counts/s")),
 
     under(R::kMaximumJerk, limit(R::kQuickStopJerk, 0, kStopJerk, "quick-stop jerk", "1000 counts/s^3")),
     limit(R::kMaximumVelocity, 0x607F, kMaxVelocity, "maximum velocity", "counts/s"),
@@ -150,6 +151,9 @@ constexpr Parameter kParameters[kParameterCount] = {
     locked(value(R::kQuickStopOption, T::kI16, 0x605A, 0, 6, 2, "quick-stop option", "",
                  one_of(0, 1, 2) | one_of(5, 6))),
     with(Effect::kWatch, locked(value(R::kFaultOption, T::kI16, 0x605E, 0, 2, 2, "fault option", ""))),
+
+    // Both take where the axis stands for home; 37 is the number that older clients know it by.
+    value(R::kHomingMethod, T::kI16, 0x6098, 35, 37, 35, "homing method", "", one_of(35 - 35, 37 - 35)),
 
     value(R::kModeCount, T::kU16, 0, 0, kMaxModes, 0, "modes staged", ""),
     with(Effect::kShaperSet, value(R::kShaperSet, T::kU16, 0, 0, kShaperSets - 1, 0, "shaper set", "")),

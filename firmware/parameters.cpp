@@ -28,7 +28,8 @@ bool in_range(const Parameter& parameter, uint32_t ceiling, uint32_t value, uint
     accepted = ceiling;
     return false;
   }
-  return parameter.allowed == 0 || (value < 32 && ((parameter.allowed >> value) & 1U) != 0);
+  const uint32_t above = value - parameter.minimum;
+  return parameter.allowed == 0 || (above < 32 && ((parameter.allowed >> above) & 1U) != 0);
 }
 
 void Parameters::load_defaults() {

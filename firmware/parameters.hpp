@@ -19,7 +19,16 @@ enum class Access : uint8_t { kRead, kReadWrite, kWrite };
 enum class Lock : uint8_t { kOpen, kNeedsKey };
 
 // What else happens when a value is written; nothing for most.
-enum class Effect : uint8_t { kNone, kControlword, kCommandKey, kApplyShaper, kAxisLimits, kWatch, kShaperSet };
+enum class Effect : uint8_t {
+  kNone,
+  kControlword,
+  kCommandKey,
+  kApplyShaper,
+  kAxisLimits,
+  kWatch,
+  kVelocity,
+  kShaperSet
+};
 
 struct Parameter {
   Register name;
@@ -32,7 +41,7 @@ struct Parameter {
   uint32_t minimum;  // these three are the type's own bits
   uint32_t maximum;
   uint32_t initial;
-  uint32_t allowed;  // bit v: the value v is one that this firmware can do; 0: all in the range are
+  uint32_t allowed;  // bit v: minimum + v is a value that this firmware can do; 0: all in the range are
   const char* text;
   const char* unit;
 
@@ -42,7 +51,7 @@ struct Parameter {
   constexpr bool writable() const { return access != Access::kRead; }
 };
 
-constexpr size_t kParameterCount = 87;
+constexpr size_t kParameterCount = 89;
 constexpr size_t kNoParameter = kParameterCount;
 
 // Sorted by address.

@@ -208,6 +208,7 @@ void RegisterBank::set_off(const Parameter& parameter, uint32_t value) {
     case Effect::kControlword: parts_.drive->write_controlword(static_cast<uint16_t>(value)); break;
     case Effect::kAxisLimits:  // done by the check, which is the axis's own
     case Effect::kWatch: watch(); break;
+    case Effect::kVelocity: parts_.drive->write_velocity(); break;
     case Effect::kApplyShaper:
       if (value == kApplyAtRest || value == kApplyBlended) {
         parts_.shaper->request_apply(value == kApplyBlended ? Retune::kBlended : Retune::kAtRest);

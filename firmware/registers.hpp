@@ -39,6 +39,7 @@ enum class Register : uint16_t {
   kDemandAfterShaping = 0x004A,
   kFollowingError = 0x004C,
   kActualVelocity = 0x004E,
+  kTargetVelocity = 0x0052,
   kQuickStopJerk = 0x0056,
   kMaximumVelocity = 0x0058,
   kMaximumAcceleration = 0x005A,
@@ -57,6 +58,7 @@ enum class Register : uint16_t {
   kSoftLimitHigh = 0x0076,
   kQuickStopOption = 0x0078,
   kFaultOption = 0x0079,
+  kHomingMethod = 0x0080,
   kModeCount = 0x0100,
   kShaperSet = 0x0101,
   kFirstMode = 0x0102,
@@ -102,7 +104,7 @@ constexpr uint16_t kMapVersion = 0x0100;
 constexpr uint16_t kProduct = 0x5350;          // "SP"
 constexpr uint16_t kFirmwareVersion = 0x0001;  // major, minor: 0.1
 constexpr uint32_t kWordOrderProbe = 0x12345678;
-constexpr uint32_t kSupportedModes = 0x00000001;  // 6502h: bit 0 profile position
+constexpr uint32_t kSupportedModes = 0x00000025;  // 6502h: profile position, profile velocity, homing
 
 enum class CommandKey : uint16_t {
   kUnlock = 0x554E,
@@ -112,6 +114,9 @@ enum class CommandKey : uint16_t {
 };
 
 enum class CommandResult : uint16_t { kIdle, kBusy, kDone, kFailed };
+
+// 6060h.
+enum class OperationMode : uint16_t { kProfilePosition = 1, kProfileVelocity = 3, kHoming = 6 };
 
 enum class ShaperState : uint16_t { kOff, kActive, kPending, kRefused };
 

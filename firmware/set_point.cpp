@@ -77,6 +77,14 @@ void note_move_refusal(const Status& status, Parameters& parameters) {
   parameters.note_refusal(reason_of(status.error, status.quantity), address_of(culprit), accepted_in(culprit, status));
 }
 
+// A velocity is signed, and the largest accepted has its sign.
+void note_velocity_refusal(const Status& status, Parameters& parameters) {
+  if (status.quantity != Quantity::kVelocity) return note_move_refusal(status, parameters);
+  const int32_t accepted = static_cast<int32_t>(signed_register(status.accepted));
+  parameters.note_refusal(reason_of(status.error, status.quantity), address_of(Register::kTargetVelocity),
+                          static_cast<uint32_t>(status.value < 0.0 ? -accepted : accepted));
+}
+
 void note_move_report(const MoveReport& report, Parameters& parameters) {
   parameters.set(Register::kMoveProfileTicks, report.profile_ticks);
   parameters.set(Register::kMoveTotalTicks, report.total_ticks);

@@ -18,6 +18,7 @@ Status make_move(const Parameters& parameters, bool relative, Signal from, Move&
 // 0013 names the duration and 0016 has the least one in ms; the limit that binds is in the reason's low byte.
 void note_move_refusal(const Status& status, Parameters& parameters);
 
+void note_velocity_refusal(const Status& status, Parameters& parameters);
 void note_move_report(const MoveReport& report, Parameters& parameters);
 
 }  // namespace stillpoint::firmware
