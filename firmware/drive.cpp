@@ -63,8 +63,7 @@ void Drive::follow_mode() {
 
 // Nothing of an earlier mode, or of an earlier time in this one, goes on.
 void Drive::start_mode() {
-  set_point_waits_ = false;
-  set_point_taken_ = false;
+  forget_set_points();
   homing_ = false;
   homed_ = false;
   homing_failed_ = false;
@@ -164,7 +163,14 @@ void Drive::obey_halt() {
 
 StopOption Drive::option(Register name) const { return static_cast<StopOption>(parameters_->get(name)); }
 
+void Drive::forget_set_points() {
+  set_point_waits_ = false;
+  set_point_taken_ = false;
+  buffered_ = false;
+}
+
 void Drive::slow_down() {
+  buffered_ = false;
   if (!axis_->halt(profile_limits(*parameters_), nullptr).ok()) axis_->request_stop();
   if (moving_) given_up_ = true;
 }
@@ -175,8 +181,7 @@ void Drive::enter(DriveState state) {
   enabling_ = false;
   slowing_ = false;
   halting_ = false;
-  set_point_waits_ = false;
-  set_point_taken_ = false;
+  forget_set_points();
   homing_ = false;
   if (state == DriveState::kOperationEnabled) {
     moving_ = false;
@@ -190,6 +195,11 @@ void Drive::enter(DriveState state) {
 void Drive::take_set_point(bool shaper_waiting) {
   if (state_ != DriveState::kOperationEnabled || (shaper_waiting && !moving_)) return;
   if (mode_ == OperationMode::kProfileVelocity) return take_velocity();
+  if (buffered_ && standing_) {
+    buffered_ = false;
+    if (!start(next_)) given_up_ = true;
+    return;
+  }
   if (!set_point_waits_) return;
   set_point_waits_ = false;
   if (halt_asked()) return parameters_->note_refusal(kReasonHalted, address_of(Register::kControlword));
@@ -227,21 +237,33 @@ void Drive::take_target() {
   const bool at_once = (controlword_ & kControlAtOnce) != 0;
   const Signal from = moving_ && !given_up_ ? signal_from_counts(target_) : seen_.axis.demand;
   Move move = {};
+  const Status status = buffered_ && !at_once ? refuse(Error::kBusy, Quantity::kNone, 0.0)
+                                              : make_move(*parameters_, relative, from, move);
+  if (!status.ok()) return note_move_refusal(status, *parameters_);
+  if (standing_ || at_once) {
+    set_point_taken_ = start(move);
+    if (set_point_taken_) buffered_ = false;
+    return;
+  }
+  next_ = move;
+  buffered_ = true;
+  set_point_taken_ = true;
+}
+
+bool Drive::start(const Move& move) {
   MoveReport report = {};
-  Status status =
-      standing_ || at_once ? make_move(*parameters_, relative, from, move) : refuse(Error::kBusy, Quantity::kNone, 0.0);
-  if (status.ok()) status = axis_->command(move, &report);
+  const Status status = axis_->command(move, &report);
   if (!status.ok()) {
     note_move_refusal(status, *parameters_);
-    return;
+    return false;
   }
   note_move_report(report, *parameters_);
   target_ = move.target_counts;
   moving_ = true;
   given_up_ = false;
-  set_point_taken_ = true;
   // A fault while this was planned: the loop lets nothing start, and the request must not outlive the fault.
   if (loop_->snapshot().fault != FaultCode::kNone) axis_->request_stop();
+  return true;
 }
 
 bool Drive::target_reached() const {
@@ -249,7 +271,7 @@ bool Drive::target_reached() const {
     return state_ == DriveState::kOperationEnabled && !axis_->pending() && seen_.axis.track_ticks >= velocity_ticks_ &&
            !velocity_waits_;
   }
-  if (state_ != DriveState::kOperationEnabled || moving_ || (given_up_ && !halt_asked())) return false;
+  if (state_ != DriveState::kOperationEnabled || moving_ || buffered_ || (given_up_ && !halt_asked())) return false;
   const uint64_t settled_us = uint64_t{seen_.settled_ticks} * tick_us_;
   return seen_.settled_ticks != 0 && settled_us >= uint64_t{parameters_->get(Register::kPositionTimeMs)} * 1000U;
 }
@@ -259,7 +281,7 @@ uint32_t Drive::mode_bits() const {
     case OperationMode::kProfileVelocity:
       return state_ == DriveState::kOperationEnabled && standing_ ? kStatusVelocityZero : 0U;
     case OperationMode::kHoming: return (homed_ ? kStatusHomed : 0U) | (homing_failed_ ? kStatusHomingError : 0U);
-    default: return set_point_taken_ ? kStatusSetPointTaken : 0U;
+    default: return set_point_taken_ || buffered_ ? kStatusSetPointTaken : 0U;
   }
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// CiA 402: the drive's state, and its modes: profile position with the unbuffered set-point handshake, profile velocity,
-// homing where it stands.
+// CiA 402: the drive's state, and its modes: profile position with the set-point handshake and one set-point kept,
+// profile velocity, homing where it stands.
 #pragma once
 
 #include <stdint.h>
@@ -25,8 +25,10 @@ namespace stillpoint::firmware {
 //   - A fault reaction is what 0079 says. The profile's ramp (1) is begun here and so waits for a plan under way; where
 //     that takes more than kRampPatienceTicks the loop stops by itself.
 //   - A set-point while the axis moves takes over in flight if it is to (bit 5, at once), with the profile's limits as
-//     they are then; else it is refused (bit 12 stays 0, reason in 0012), never queued. In flight a relative one counts
-//     from the target in force. One that comes while a shaper is on its way waits for it.
+//     they are then; else it is kept, with its limits, until the axis stands, and bit 12 stays up until then. Behind
+//     one that is kept others are refused, but for one at once, which replaces both. A relative one counts from the
+//     target in force. One that comes while a shaper is on its way waits for it. A halt, a stop and whatever ends
+//     operation enabled drop the kept one.
 //   - Another mode (0042) is in force, and shown (0043), once the axis stands.
 //   - Profile velocity: what is written to 0052 while enabled is followed at once, with the profile's limits. Enabling,
 //     and entering the mode, set 0052 to 0, so that neither ever starts a motion. A halt slows to 0 and goes on after.
@@ -45,7 +47,8 @@ class Drive {
   // As often as possible. Short.
   void service();
 
-  // Plans and commands what waits: a set-point, another velocity. Long: see AxisCore::command. `shaper_waiting`: not yet.
+  // Plans and commands what waits: a set-point, another velocity. Long: see AxisCore::command. `shaper_waiting`: not
+  // yet.
   void take_set_point(bool shaper_waiting);
 
   DriveState state() const { return state_; }
@@ -57,6 +60,8 @@ class Drive {
  private:
   void follow_mode();
   void take_target();
+  bool start(const Move& move);
+  void forget_set_points();
   void take_velocity();
   void home();
   void start_mode();
@@ -92,12 +97,14 @@ class Drive {
   bool halting_ = false;
   bool set_point_waits_ = false;
   bool set_point_taken_ = false;  // bit 12
-  bool moving_ = false;           // from taking a set-point until the axis stands
-  bool given_up_ = false;         // the last move was stopped on its way
-  int32_t velocity_ = 0;          // asked of the axis, in profile velocity
-  bool velocity_waits_ = false;   // written, and neither taken nor refused yet
-  uint32_t velocity_ticks_ = 0;   // of the motion in force, until the setpoint has that velocity
-  uint32_t homings_ = 0;          // the loop's, when homing was asked for
+  bool buffered_ = false;         // `next_` is to follow the move in force; bit 12 too
+  Move next_ = {};
+  bool moving_ = false;          // from taking a set-point until the axis stands
+  bool given_up_ = false;        // the last move was stopped on its way
+  int32_t velocity_ = 0;         // asked of the axis, in profile velocity
+  bool velocity_waits_ = false;  // written, and neither taken nor refused yet
+  uint32_t velocity_ticks_ = 0;  // of the motion in force, until the setpoint has that velocity
+  uint32_t homings_ = 0;         // the loop's, when homing was asked for
   bool homing_ = false;
   bool homed_ = false;
   bool homing_failed_ = false;

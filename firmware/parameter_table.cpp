@@ -126,7 +126,8 @@ constexpr Parameter kParameters[kParameterCount] = {
     shown(R::kDemandAfterShaping, T::kI32, 0x6062, 0, "demand after shaping", "counts"),
     shown(R::kFollowingError, T::kI32, 0x60F4, 0, "following error", "counts"),
     shown(R::kActualVelocity, T::kI32, 0x606C, 0, "actual velocity", "counts/s"),
-    with(Effect::kVelocity, value(R::kTargetVelocity, T::kI32, 0x60FF, kI32Min, kI32Max, 0, "target velocity", "counts/s")),
+    with(Effect::kVelocity,
+         value(R::kTargetVelocity, T::kI32, 0x60FF, kI32Min, kI32Max, 0, "target velocity", "counts/s")),
 
     under(R::kMaximumJerk, limit(R::kQuickStopJerk, 0, kStopJerk, "quick-stop jerk", "1000 counts/s^3")),
     limit(R::kMaximumVelocity, 0x607F, kMaxVelocity, "maximum velocity", "counts/s"),

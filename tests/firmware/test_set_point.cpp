@@ -93,16 +93,79 @@ TEST_F(Enabled402, a_relative_set_point_counts_from_where_the_axis_stands) {
   TEST_ASSERT_EQUAL_INT64(15000 * kCount, servo.setpoint());
 }
 
-TEST_F(Enabled402, a_set_point_while_moving_is_refused_by_name_and_changes_nothing) {
+// Bit 12 stays up while one is kept, 10 stays down in between.
+TEST_F(Enabled402, a_set_point_while_moving_is_kept_with_its_limits_until_the_axis_stands) {
   start_move(1000000);
   control(0x0F);
-  start_move(-1000000);
+  TEST_ASSERT_EQUAL_UINT32(0, write_wide(0x0060, 300000));
+  start_move(400000);
+  TEST_ASSERT_EQUAL_UINT32(kTaken, status() & kTaken);
+  control(0x0F);
+  TEST_ASSERT_EQUAL_UINT32(kTaken, status() & kTaken);
+  TEST_ASSERT_EQUAL_UINT32(0, write_wide(0x0060, 1200000));
+  bool stood = false;
+  int64_t fastest_back = 0;
+  for (int i = 0; i < 5000 && servo.setpoint() != 400000 * kCount; ++i) {
+    step();
+    const auto& all = servo.commands;
+    const int64_t change = all[all.size() - 2].setpoint - all.back().setpoint;
+    if (change > fastest_back) fastest_back = change;
+    stood = stood || servo.setpoint() == 1000000 * kCount;
+    TEST_ASSERT_EQUAL_UINT32(0, drive.drive().statusword() & kTargetReached);
+  }
+  TEST_ASSERT_TRUE(stood);
+  TEST_ASSERT_AT_MOST_INT64(300 * kCount, fastest_back);  // 1.2e6 counts/s would be four times that
+  TEST_ASSERT_AT_LEAST_INT64(295 * kCount, fastest_back);
   TEST_ASSERT_EQUAL_UINT32(0, status() & kTaken);
+  step(50);
+  TEST_ASSERT_EQUAL_UINT32(kTargetReached, status() & kTargetReached);
+}
+
+TEST_F(Enabled402, behind_a_kept_set_point_another_is_refused_and_one_at_once_replaces_both) {
+  start_move(1000000);
+  control(0x0F);
+  start_move(400000);
+  control(0x0F);
+  start_move(200000);
   TEST_ASSERT_EQUAL_UINT32(static_cast<uint32_t>(Error::kBusy), get(0x0012) >> 8);
   control(0x0F);
-  step(3000);
-  TEST_ASSERT_EQUAL_INT64(1000000 * kCount, servo.setpoint());
+  start_move(-300000, 0x3F);
+  control(0x0F);
+  TEST_ASSERT_EQUAL_UINT32(0, status() & kTaken);
+  step(4000);
+  TEST_ASSERT_EQUAL_INT64(-300000 * kCount, servo.setpoint());
   TEST_ASSERT_EQUAL_UINT32(kTargetReached, status() & kTargetReached);
+}
+
+TEST_F(Enabled402, halt_and_quick_stop_drop_the_kept_set_point) {
+  for (const uint32_t word : std::initializer_list<uint32_t>{0x10F, 0x02}) {
+    TEST_INFO("controlword", word);
+    start_move(1000000);
+    control(0x0F);
+    start_move(400000);
+    control(0x0F);
+    control(word);
+    step(300);
+    TEST_ASSERT_EQUAL_UINT32(0, status() & kTaken);
+    const int64_t stands = servo.setpoint();
+    if (word == 0x02) enable();
+    control(0x0F);
+    step(3000);
+    TEST_ASSERT_EQUAL_INT64(stands, servo.setpoint());
+    start_move(0);
+    control(0x0F);
+    step(3000);
+  }
+}
+
+// Two relative ones in a row go as far as both together.
+TEST_F(Enabled402, a_kept_relative_set_point_counts_from_the_target_in_force) {
+  start_move(100000, 0x5F);
+  control(0x0F);
+  start_move(100000, 0x5F);
+  control(0x0F);
+  step(4000);
+  TEST_ASSERT_EQUAL_INT64(200000 * kCount, servo.setpoint());
 }
 
 TEST_F(Enabled402, a_relative_target_outside_the_range_is_refused_by_name) {
