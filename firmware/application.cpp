@@ -5,13 +5,14 @@ namespace stillpoint::firmware {
 
 void Application::begin(AxisCore& axis, const Ports& ports) {
   ports_ = ports;
+  axis_ = &axis;
   parameters_.load_defaults();
   parameters_.adopt(axis.config());
   loop_.begin(axis, *ports.servo);
-  drive_.begin(axis, loop_, parameters_);
+  drive_.begin(axis, loop_, parameters_, stream_);
   shaper_.begin(axis, parameters_, Meanwhile{serve_meanwhile, this});
   faults_.begin(ports.faults);
-  registers_.begin({&axis, &loop_, &drive_, &shaper_, &parameters_, &faults_});
+  registers_.begin({&axis, &loop_, &drive_, &shaper_, &parameters_, &faults_, &stream_});
   client_.begin(*ports.client, kDefaultUnit);
 }
 
@@ -19,6 +20,7 @@ void Application::tick() {
   ticked_ = true;
   advance(silence_clock_);
   loop_.tick();
+  if (stream_.running() && loop_.now().axis.phase == AxisPhase::kStreaming) axis_->stream(stream_.tick());
 }
 
 void Application::own_timer_tick() {

@@ -9,6 +9,7 @@
 #include "firmware/fault_log.hpp"
 #include "firmware/modbus_rtu.hpp"
 #include "firmware/parameters.hpp"
+#include "firmware/position_stream.hpp"
 #include "firmware/register_bank.hpp"
 #include "firmware/shaper_settings.hpp"
 #include "hal/byte_stream.hpp"
@@ -68,11 +69,13 @@ class Application {
   void feed_watchdog(uint32_t now);
 
   Ports ports_ = {};
+  AxisCore* axis_ = nullptr;
   ControlLoop loop_ = {};
   Drive drive_ = {};
   ShaperSettings shaper_ = {};
   Parameters parameters_ = {};
   FaultLog faults_ = {};
+  PositionStream stream_ = {};
   RegisterBank registers_ = {};
   RtuPort client_ = {};
 

@@ -91,6 +91,9 @@ class ControlLoop {
   // Hands over this tick's setpoint and takes the newest feedback. Bounded; no division, no floating point, no error.
   void tick();
 
+  // What the newest tick published.
+  const LoopSnapshot& now() const { return published_.latest(); }
+
   // After a tick that had not ended when the next was due. Two in a row are a fault.
   void note_overrun();
 

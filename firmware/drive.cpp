@@ -1,14 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
+// The drive's states, and how it stops.
 #include "firmware/drive.hpp"
 
 #include "firmware/set_point.hpp"
 
 namespace stillpoint::firmware {
 
-void Drive::begin(AxisCore& axis, ControlLoop& loop, Parameters& parameters) {
+void Drive::begin(AxisCore& axis, ControlLoop& loop, Parameters& parameters, PositionStream& stream) {
   axis_ = &axis;
   loop_ = &loop;
   parameters_ = &parameters;
+  stream_ = &stream;
   tick_us_ = static_cast<uint32_t>(axis.config().tick_s * 1e6 + 0.5);
   mode_ = OperationMode::kProfilePosition;
 }
@@ -34,8 +36,6 @@ void Drive::write_controlword(uint16_t controlword) {
   }
 }
 
-void Drive::write_velocity() { velocity_waits_ = state_ == DriveState::kOperationEnabled; }
-
 void Drive::service() {
   // In this order: a tick between the two can then only show a move later than it began, never an end too early.
   const bool pending = axis_->pending();
@@ -43,33 +43,11 @@ void Drive::service() {
   standing_ = !pending && seen_.axis.phase == AxisPhase::kAtRest;
   if (standing_) moving_ = false;
   follow_mode();
+  follow_stream();
   follow_loop();
   obey();
   loop_->request_enabled(enabling_ || state_ == DriveState::kOperationEnabled ||
                          state_ == DriveState::kQuickStopActive);
-}
-
-void Drive::follow_mode() {
-  if (homing_ && seen_.homings != homings_) {
-    homing_ = false;
-    homed_ = true;
-  }
-  const auto wanted = static_cast<OperationMode>(parameters_->get(Register::kMode));
-  if (wanted == mode_ || !standing_ || homing_) return;
-  mode_ = wanted;
-  parameters_->set(Register::kModeDisplay, static_cast<uint32_t>(wanted));
-  start_mode();
-}
-
-// Nothing of an earlier mode, or of an earlier time in this one, goes on.
-void Drive::start_mode() {
-  forget_set_points();
-  homing_ = false;
-  homed_ = false;
-  homing_failed_ = false;
-  velocity_ = 0;
-  velocity_waits_ = false;
-  parameters_->set(Register::kTargetVelocity, 0);
 }
 
 void Drive::follow_loop() {
@@ -163,12 +141,6 @@ void Drive::obey_halt() {
 
 StopOption Drive::option(Register name) const { return static_cast<StopOption>(parameters_->get(name)); }
 
-void Drive::forget_set_points() {
-  set_point_waits_ = false;
-  set_point_taken_ = false;
-  buffered_ = false;
-}
-
 void Drive::slow_down() {
   buffered_ = false;
   if (!axis_->halt(profile_limits(*parameters_), nullptr).ok()) axis_->request_stop();
@@ -189,99 +161,6 @@ void Drive::enter(DriveState state) {
     velocity_ = 0;
     velocity_waits_ = false;
     parameters_->set(Register::kTargetVelocity, 0);
-  }
-}
-
-void Drive::take_set_point(bool shaper_waiting) {
-  if (state_ != DriveState::kOperationEnabled || (shaper_waiting && !moving_)) return;
-  if (mode_ == OperationMode::kProfileVelocity) return take_velocity();
-  if (buffered_ && standing_) {
-    buffered_ = false;
-    if (!start(next_)) given_up_ = true;
-    return;
-  }
-  if (!set_point_waits_) return;
-  set_point_waits_ = false;
-  if (halt_asked()) return parameters_->note_refusal(kReasonHalted, address_of(Register::kControlword));
-  if (mode_ == OperationMode::kHoming) return home();
-  take_target();
-}
-
-void Drive::home() {
-  homed_ = false;
-  homing_failed_ = !standing_;
-  if (homing_failed_) return parameters_->note_refusal(kReasonNotStanding, address_of(Register::kControlword));
-  homing_ = true;
-  homings_ = seen_.homings;
-  loop_->request_home(0);
-}
-
-void Drive::take_velocity() {
-  if (!velocity_waits_ || halt_asked()) return;
-  const int32_t wanted = parameters_->get_signed(Register::kTargetVelocity);
-  MoveReport report = {};
-  const Status status = axis_->jog(wanted, profile_limits(*parameters_), &report);
-  if (status.error == Error::kBusy) return;  // what was asked for before has not begun; asked again
-  velocity_waits_ = false;
-  if (!status.ok()) return note_velocity_refusal(status, *parameters_);
-  note_move_report(report, *parameters_);
-  velocity_ = wanted;
-  velocity_ticks_ = report.total_ticks;
-  moving_ = true;
-  given_up_ = false;
-  if (loop_->snapshot().fault != FaultCode::kNone) axis_->request_stop();
-}
-
-void Drive::take_target() {
-  const bool relative = (controlword_ & kControlRelative) != 0;
-  const bool at_once = (controlword_ & kControlAtOnce) != 0;
-  const Signal from = moving_ && !given_up_ ? signal_from_counts(target_) : seen_.axis.demand;
-  Move move = {};
-  const Status status = buffered_ && !at_once ? refuse(Error::kBusy, Quantity::kNone, 0.0)
-                                              : make_move(*parameters_, relative, from, move);
-  if (!status.ok()) return note_move_refusal(status, *parameters_);
-  if (standing_ || at_once) {
-    set_point_taken_ = start(move);
-    if (set_point_taken_) buffered_ = false;
-    return;
-  }
-  next_ = move;
-  buffered_ = true;
-  set_point_taken_ = true;
-}
-
-bool Drive::start(const Move& move) {
-  MoveReport report = {};
-  const Status status = axis_->command(move, &report);
-  if (!status.ok()) {
-    note_move_refusal(status, *parameters_);
-    return false;
-  }
-  note_move_report(report, *parameters_);
-  target_ = move.target_counts;
-  moving_ = true;
-  given_up_ = false;
-  // A fault while this was planned: the loop lets nothing start, and the request must not outlive the fault.
-  if (loop_->snapshot().fault != FaultCode::kNone) axis_->request_stop();
-  return true;
-}
-
-bool Drive::target_reached() const {
-  if (mode_ == OperationMode::kProfileVelocity && velocity_ != 0 && !halting_) {
-    return state_ == DriveState::kOperationEnabled && !axis_->pending() && seen_.axis.track_ticks >= velocity_ticks_ &&
-           !velocity_waits_;
-  }
-  if (state_ != DriveState::kOperationEnabled || moving_ || buffered_ || (given_up_ && !halt_asked())) return false;
-  const uint64_t settled_us = uint64_t{seen_.settled_ticks} * tick_us_;
-  return seen_.settled_ticks != 0 && settled_us >= uint64_t{parameters_->get(Register::kPositionTimeMs)} * 1000U;
-}
-
-uint32_t Drive::mode_bits() const {
-  switch (mode_) {
-    case OperationMode::kProfileVelocity:
-      return state_ == DriveState::kOperationEnabled && standing_ ? kStatusVelocityZero : 0U;
-    case OperationMode::kHoming: return (homed_ ? kStatusHomed : 0U) | (homing_failed_ ? kStatusHomingError : 0U);
-    default: return set_point_taken_ || buffered_ ? kStatusSetPointTaken : 0U;
   }
 }
 

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // CiA 402: the drive's state, and its modes: profile position with the set-point handshake and one set-point kept,
-// profile velocity, homing where it stands.
+// profile velocity, homing where it stands, a stream of positions.
 #pragma once
 
 #include <stdint.h>
 
 #include "firmware/control_loop.hpp"
 #include "firmware/parameters.hpp"
+#include "firmware/position_stream.hpp"
 #include "firmware/state_machine.hpp"
 #include "shaper/axis/axis_core.hpp"
 
@@ -34,9 +35,11 @@ namespace stillpoint::firmware {
 //     and entering the mode, set 0052 to 0, so that neither ever starts a motion. A halt slows to 0 and goes on after.
 //   - Homing (bit 4 rising, at rest): the place where the axis stands becomes position 0 (methods 35 and 37), in one
 //     tick, without motion. Bit 12 stays until the next homing or mode.
+//   - Stream: bit 4 rising, at rest, begins with what has been written to 0090, whose first position is where the axis
+//     stands; its falling ends it by the profile's ramp and drops what waits. Bit 12: it is followed exactly.
 class Drive {
  public:
-  void begin(AxisCore& axis, ControlLoop& loop, Parameters& parameters);
+  void begin(AxisCore& axis, ControlLoop& loop, Parameters& parameters, PositionStream& stream);
 
   // Register 0040. Takes effect in this call as far as it can without a tick.
   void write_controlword(uint16_t controlword);
@@ -64,6 +67,8 @@ class Drive {
   void forget_set_points();
   void take_velocity();
   void home();
+  void begin_stream();
+  void follow_stream();
   void start_mode();
   void follow_loop();
   void obey();
@@ -82,6 +87,7 @@ class Drive {
   AxisCore* axis_ = nullptr;
   ControlLoop* loop_ = nullptr;
   Parameters* parameters_ = nullptr;
+  PositionStream* stream_ = nullptr;
 
   LoopSnapshot seen_ = {};
   uint32_t tick_us_ = 0;

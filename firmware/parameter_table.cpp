@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "firmware/default_axis.hpp"
 #include "firmware/parameters.hpp"
+#include "firmware/position_stream.hpp"
 
 namespace stillpoint::firmware {
 namespace {
@@ -118,7 +119,7 @@ constexpr Parameter kParameters[kParameterCount] = {
 
     with(Effect::kControlword, value(R::kControlword, T::kU16, 0x6040, 0, kU16Max, 0, "controlword", "bits")),
     shown(R::kStatusword, T::kU16, 0x6041, 0, "statusword", "bits"),
-    value(R::kMode, T::kI16, 0x6060, 1, 8, 1, "mode", "", one_of(1 - 1, 3 - 1, 6 - 1)),
+    value(R::kMode, T::kI16, 0x6060, 1, 8, 1, "mode", "", one_of(1 - 1, 3 - 1, 6 - 1) | one_of(8 - 1)),
     shown(R::kModeDisplay, T::kI16, 0x6061, 1, "mode display"),
     value(R::kTargetPosition, T::kI32, 0x607A, kI32Min, kI32Max, 0, "target position", "counts"),
     shown(R::kActualPosition, T::kI32, 0x6064, 0, "actual position", "counts"),
@@ -155,6 +156,13 @@ constexpr Parameter kParameters[kParameterCount] = {
 
     // Both take where the axis stands for home; 37 is the number that older clients know it by.
     value(R::kHomingMethod, T::kI16, 0x6098, 35, 37, 35, "homing method", "", one_of(35 - 35, 37 - 35)),
+
+    value(R::kStreamInterval, T::kU16, 0, 1, kMostStreamInterval, 10, "stream: from position to position", "ticks"),
+    value(R::kStreamPolicy, T::kU16, 0, 0, 1, 0, "stream: 0 keep within the limits, 1 fault beyond them", ""),
+    shown(R::kStreamBuffered, T::kU16, 0, 0, "stream: positions that wait"),
+    shown(R::kStreamRoom, T::kU16, 0, kStreamPositions, "stream: room for more"),
+    shown(R::kStreamLimitedTicks, T::kU32, 0, 0, "stream: ticks kept within the limits", "ticks"),
+    shown(R::kStreamUnderruns, T::kU32, 0, 0, "stream: times that positions ran out"),
 
     value(R::kModeCount, T::kU16, 0, 0, kMaxModes, 0, "modes staged", ""),
     with(Effect::kShaperSet, value(R::kShaperSet, T::kU16, 0, 0, kShaperSets - 1, 0, "shaper set", "")),

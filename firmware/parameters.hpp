@@ -51,7 +51,7 @@ struct Parameter {
   constexpr bool writable() const { return access != Access::kRead; }
 };
 
-constexpr size_t kParameterCount = 89;
+constexpr size_t kParameterCount = 95;
 constexpr size_t kNoParameter = kParameterCount;
 
 // Sorted by address.

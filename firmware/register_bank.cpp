@@ -105,11 +105,27 @@ void RegisterBank::set_uptime(uint32_t uptime_ms) {
 
 ModbusException RegisterBank::write(uint16_t first, uint32_t count, const uint16_t* words) {
   const Request request = {first, count, words};
+  if (first == kFirstStreamPosition) return write_stream(request);
   ModbusException refused = check_addresses(request);
   if (refused == ModbusException::kNone) refused = check_values(request);
   if (refused == ModbusException::kNone) refused = check_state(request);
   if (refused == ModbusException::kNone) commit(request);
   return refused;
+}
+
+ModbusException RegisterBank::write_stream(const Request& request) {
+  if (request.count > 2 * kStreamWindow) return ModbusException::kIllegalAddress;
+  if (request.count % 2 != 0) return ModbusException::kIllegalValue;
+  int32_t positions[kStreamWindow];
+  for (uint32_t i = 0; i < request.count / 2; ++i) {
+    positions[i] = static_cast<int32_t>((uint32_t{request.words[2 * i]} << 16) | request.words[2 * i + 1]);
+  }
+  const size_t room = kStreamPositions - parts_.stream->buffered();
+  if (parts_.stream->accept(positions, request.count / 2)) return ModbusException::kNone;
+  const bool full = request.count / 2 > room;
+  parts_.parameters->note_refusal(full ? kReasonStreamFull : kReasonOutOfRange, kFirstStreamPosition,
+                                  static_cast<uint32_t>(full ? static_cast<int64_t>(room) : kMostStreamStep));
+  return full ? ModbusException::kDeviceBusy : ModbusException::kIllegalValue;
 }
 
 ModbusException RegisterBank::check_addresses(const Request& request) const {

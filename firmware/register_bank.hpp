@@ -8,6 +8,7 @@
 #include "firmware/fault_log.hpp"
 #include "firmware/modbus_pdu.hpp"
 #include "firmware/parameters.hpp"
+#include "firmware/position_stream.hpp"
 #include "firmware/shaper_settings.hpp"
 #include "shaper/axis/axis_core.hpp"
 
@@ -31,6 +32,7 @@ class RegisterBank {
     ShaperSettings* shaper;
     Parameters* parameters;
     const FaultLog* faults;
+    PositionStream* stream;
   };
 
   void begin(const Parts& parts);
@@ -48,6 +50,7 @@ class RegisterBank {
  private:
   struct Request;
 
+  ModbusException write_stream(const Request& request);
   void watch();
   uint32_t ticks_of(uint32_t ms) const;
   uint32_t most_per_tick(uint32_t velocity) const;

@@ -53,6 +53,11 @@ void RegisterBank::refresh() {
   parameters.set(Register::kServoLinkLosses, loop.link_losses);
   parameters.set(Register::kTickOverruns, loop.overruns);
   parameters.set(Register::kStatusword, parts_.drive->statusword());
+  const auto buffered = static_cast<uint32_t>(parts_.stream->buffered());
+  parameters.set(Register::kStreamBuffered, buffered);
+  parameters.set(Register::kStreamRoom, kStreamPositions - buffered);
+  parameters.set(Register::kStreamLimitedTicks, parts_.axis->stream_state().limited_ticks);
+  parameters.set(Register::kStreamUnderruns, parts_.stream->underruns());
   refresh_motion(loop);
 }
 

@@ -59,6 +59,12 @@ enum class Register : uint16_t {
   kQuickStopOption = 0x0078,
   kFaultOption = 0x0079,
   kHomingMethod = 0x0080,
+  kStreamInterval = 0x0088,
+  kStreamPolicy = 0x0089,
+  kStreamBuffered = 0x008A,
+  kStreamRoom = 0x008B,
+  kStreamLimitedTicks = 0x008C,
+  kStreamUnderruns = 0x008E,
   kModeCount = 0x0100,
   kShaperSet = 0x0101,
   kFirstMode = 0x0102,
@@ -83,6 +89,10 @@ constexpr uint32_t kMaxModes = 4;
 constexpr uint32_t kShaperSets = 8;
 constexpr uint32_t kModeStride = 8;
 
+// Write-only, by function 16 from here on: the next positions of the stream, two registers each, at most kStreamWindow.
+constexpr uint16_t kFirstStreamPosition = 0x0090;
+constexpr uint32_t kStreamWindow = 32;
+
 // The fault history: sixteen registers an entry, the newest first; see FaultLog::word.
 constexpr uint16_t kFirstFaultEntry = 0x0500;
 constexpr uint32_t kFaultEntryStride = 16;
@@ -104,7 +114,7 @@ constexpr uint16_t kMapVersion = 0x0100;
 constexpr uint16_t kProduct = 0x5350;          // "SP"
 constexpr uint16_t kFirmwareVersion = 0x0001;  // major, minor: 0.1
 constexpr uint32_t kWordOrderProbe = 0x12345678;
-constexpr uint32_t kSupportedModes = 0x00000025;  // 6502h: profile position, profile velocity, homing
+constexpr uint32_t kSupportedModes = 0x000000A5;  // 6502h: profile position, profile velocity, homing, stream
 
 enum class CommandKey : uint16_t {
   kUnlock = 0x554E,
@@ -116,7 +126,7 @@ enum class CommandKey : uint16_t {
 enum class CommandResult : uint16_t { kIdle, kBusy, kDone, kFailed };
 
 // 6060h.
-enum class OperationMode : uint16_t { kProfilePosition = 1, kProfileVelocity = 3, kHoming = 6 };
+enum class OperationMode : uint16_t { kProfilePosition = 1, kProfileVelocity = 3, kHoming = 6, kStream = 8 };
 
 enum class ShaperState : uint16_t { kOff, kActive, kPending, kRefused };
 
@@ -133,6 +143,7 @@ enum class FaultCode : uint16_t {
   kLinkSilent = 0x8130,          // heartbeat: no servo tick for 100 ms of the own timer; a host that is too slow
   kFollowingError = 0x8611,      // the position left its window around the shaped demand for too long
   kPositionLimit = 0x8612,       // reference limit: the position is beyond a soft limit
+  kStreamLimit = 0xFF01,         // a streamed position broke the limits, and 0089 asks for a fault then
 };
 
 // 605Ah and 605Eh. The ramp is the profile's and goes through the shaper, so it ends still; the quick stop does not
@@ -150,6 +161,8 @@ constexpr uint16_t kReasonNotStanding = 0x8100;   // the axis moves, or somethin
 constexpr uint16_t kReasonHalted = 0x8200;        // the controlword's halt bit is set
 constexpr uint16_t kReasonNoFeedback = 0x8300;    // the servo link gives no valid position: operation not enabled
 constexpr uint16_t kReasonNotAvailable = 0x8400;  // this firmware cannot do it
+constexpr uint16_t kReasonStreamFull = 0x8600;    // no room for so many positions: 0016 has how many
+constexpr uint16_t kReasonStreamEmpty = 0x8601;   // a stream begins with a position where the axis stands
 constexpr uint16_t kReasonOutOfRange = 0x8500;    // exception 03: 0016 has the nearest value accepted
 
 constexpr uint16_t reason_of(Error error, Quantity quantity) {

@@ -42,6 +42,13 @@ class RingBuffer {
     return true;
   }
 
+  // As pop, and the element stays. Reader's context, or the writer's while nobody reads.
+  [[nodiscard]] bool peek(T& element) const {
+    if (empty()) return false;
+    element = slots_[__atomic_load_n(&tail_, __ATOMIC_RELAXED)];
+    return true;
+  }
+
   // Forgets everything stored. Reader's context.
   void clear() { __atomic_store_n(&tail_, __atomic_load_n(&head_, __ATOMIC_ACQUIRE), __ATOMIC_RELEASE); }
 

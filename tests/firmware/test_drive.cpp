@@ -206,7 +206,8 @@ TEST_F(Rig, a_drive_that_never_saw_itself_off_does_not_go_on_as_enabled) {
   axis.reset(0);
   parameters.load_defaults();
   loop.begin(axis, other_servo);
-  state_machine.begin(axis, loop, parameters);
+  firmware::PositionStream stream;
+  state_machine.begin(axis, loop, parameters, stream);
   const auto tick = [&] {
     loop.tick();
     state_machine.service();

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Profile velocity, homing, and the change from one mode to another.
+#include <cmath>
+
 #include "tests/firmware/drive402.hpp"
 #include "tests/support/stream_check.hpp"
 
@@ -35,6 +37,26 @@ struct Velocity : InMode {
 };
 struct Homing : InMode {
   Homing() : InMode(6) {}
+};
+
+struct Streamed : InMode {
+  Streamed() : InMode(8) {}
+
+  uint32_t send_positions(const std::vector<int32_t>& positions) {
+    std::vector<uint16_t> words;
+    for (const int32_t position : positions) {
+      words.push_back(static_cast<uint16_t>(static_cast<uint32_t>(position) >> 16));
+      words.push_back(static_cast<uint16_t>(position));
+    }
+    return write(0x0090, words);
+  }
+  // A slow swing of 20,000 counts, a position every 50 ticks.
+  static int32_t swing(int n) { return static_cast<int32_t>(std::lround(10000.0 * (1.0 - std::cos(0.1 * n)))); }
+  std::vector<int32_t> swings(int from, int count) {
+    std::vector<int32_t> positions;
+    for (int n = from; n < from + count; ++n) positions.push_back(swing(n));
+    return positions;
+  }
 };
 
 TEST_F(Velocity, what_is_written_is_followed_within_the_profiles_limits_and_reached_is_said) {
@@ -213,6 +235,94 @@ TEST_F(Homing, wants_the_bit_to_rise_the_drive_enabled_and_the_axis_at_rest) {
   control(0x11F);
   TEST_ASSERT_EQUAL_UINT32(0x8200, get(0x0012));
   TEST_ASSERT_EQUAL_INT32(700, get_wide(0x0046));
+}
+
+TEST_F(Streamed, positions_are_followed_smoothly_to_where_they_end) {
+  TEST_ASSERT_EQUAL_UINT32(0, write_single(0x0088, 50));
+  TEST_ASSERT_EQUAL_UINT32(0, send_positions(swings(0, 32)));
+  TEST_ASSERT_EQUAL_UINT32(32, get(0x008A));
+  TEST_ASSERT_EQUAL_UINT32(96, get(0x008B));
+  step(100);
+  TEST_ASSERT_EQUAL_INT64(0, servo.setpoint());  // nothing moves before bit 4
+  const size_t begun = servo.commands.size();
+  control(0x1F);
+  step(20);
+  TEST_ASSERT_EQUAL_UINT32(kBit12, status() & kBit12);
+  TEST_ASSERT_EQUAL_UINT32(0, send_positions(swings(32, 31)));
+  step(4000);
+  TEST_ASSERT_EQUAL_INT64(swing(62) * kCount, servo.setpoint());
+  TEST_ASSERT_EQUAL_UINT32(0, get_wide(0x008C));
+  TEST_ASSERT_EQUAL_UINT32(1, get_wide(0x008E));
+  // 50 ms from position to position: the acceleration stays near that of the swing, 10,000 counts (2 rad/s)^2.
+  for (size_t i = begun + 2; i < servo.commands.size(); ++i) {
+    const auto at = [&](size_t k) { return static_cast<double>(servo.commands[k].setpoint) / 4294967296.0; };
+    TEST_ASSERT_AT_MOST_DOUBLE(0.06, std::fabs(at(i) - 2 * at(i - 1) + at(i - 2)));
+  }
+  control(0x0F);
+  step(50);
+  TEST_ASSERT_EQUAL_UINT32(0, status() & kBit12);
+  TEST_ASSERT_EQUAL_UINT32(0, write_single(0x0042, 1));
+  step(5);
+  TEST_ASSERT_EQUAL_UINT32(1, get(0x0043));
+}
+
+TEST_F(Streamed, what_breaks_the_limits_is_kept_within_them_or_faults_as_0089_says) {
+  for (const uint32_t policy : std::initializer_list<uint32_t>{0, 1}) {
+    TEST_INFO("policy", policy);
+    Streamed rig;
+    TEST_ASSERT_EQUAL_UINT32(0, rig.write_single(0x0089, policy));
+    TEST_ASSERT_EQUAL_UINT32(0, rig.send_positions({0, 0, 500000, 500000}));
+    rig.control(0x1F);
+    rig.step(1500);
+    rig.within_limits();
+    TEST_ASSERT_EQUAL_UINT32(policy == 0 ? 0 : 0xFF01, rig.get(0x0010));
+    TEST_ASSERT_AT_LEAST_INT64(1, rig.get_wide(0x008C));
+    if (policy == 0) TEST_ASSERT_EQUAL_INT64(500000 * kCount, rig.servo.setpoint());
+    if (policy != 0) TEST_ASSERT_FALSE(rig.servo.enabled());
+  }
+}
+
+TEST_F(Streamed, bit_4_falling_halt_and_faults_end_it_and_drop_what_waits) {
+  for (const uint32_t word : std::initializer_list<uint32_t>{0x0F, 0x11F, 0x02}) {
+    TEST_INFO("controlword", word);
+    Streamed rig;
+    TEST_ASSERT_EQUAL_UINT32(0, rig.write_single(0x0088, 50));
+    TEST_ASSERT_EQUAL_UINT32(0, rig.send_positions(rig.swings(0, 32)));
+    rig.control(0x1F);
+    rig.step(700);
+    rig.control(word);
+    rig.step(200);
+    TEST_ASSERT_DOUBLE_WITHIN(0.0, 0.0, rig.speed());
+    TEST_ASSERT_EQUAL_UINT32(0, rig.get(0x008A));
+    TEST_ASSERT_EQUAL_UINT32(0, rig.status() & kBit12);
+    rig.step(500);
+    TEST_ASSERT_DOUBLE_WITHIN(0.0, 0.0, rig.speed());
+  }
+}
+
+TEST_F(Streamed, it_begins_where_the_axis_stands_or_not_at_all) {
+  control(0x1F);
+  step(5);
+  TEST_ASSERT_EQUAL_UINT32(0x8601, get(0x0012));
+  control(0x0F);
+  TEST_ASSERT_EQUAL_UINT32(0, send_positions({3, 4}));
+  control(0x1F);
+  step(50);
+  TEST_ASSERT_EQUAL_UINT32(0x8601, get(0x0012));
+  TEST_ASSERT_EQUAL_UINT32(0x0090, get(0x0013));
+  TEST_ASSERT_EQUAL_INT64(0, servo.setpoint());
+}
+
+TEST_F(Streamed, a_write_that_has_no_room_or_jumps_is_refused_whole) {
+  for (int i = 0; i < 4; ++i) TEST_ASSERT_EQUAL_UINT32(0, send_positions(std::vector<int32_t>(31, 7)));
+  TEST_ASSERT_EQUAL_UINT32(6, send_positions(std::vector<int32_t>(5, 7)));
+  TEST_ASSERT_EQUAL_UINT32(0x8600, get(0x0012));
+  TEST_ASSERT_EQUAL_UINT32(4, get_wide(0x0016));
+  TEST_ASSERT_EQUAL_UINT32(3, send_positions({7, 7 + (1 << 28) + 1}));
+  TEST_ASSERT_EQUAL_UINT32(3, write(0x0090, {0, 7, 0}));
+  TEST_ASSERT_EQUAL_UINT32(2, send_positions(std::vector<int32_t>(33, 7)));
+  TEST_ASSERT_EQUAL_UINT32(2, write(0x0092, {0, 7}));
+  TEST_ASSERT_EQUAL_UINT32(124, get(0x008A));
 }
 
 }  // namespace

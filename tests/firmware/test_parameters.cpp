@@ -41,7 +41,7 @@ TEST(every_default_is_in_its_own_range_and_every_parameter_has_a_name) {
 TEST_F(Table, the_maps_fixed_values_are_where_clients_expect_them) {
   TEST_ASSERT_EQUAL_UINT32(0x0100, parameters.get(static_cast<Register>(0x0000)));
   TEST_ASSERT_EQUAL_UINT32(0x12345678, parameters.get(static_cast<Register>(0x0006)));
-  TEST_ASSERT_EQUAL_UINT32(0x25, parameters.get(static_cast<Register>(0x0008)));  // pp, pv, homing
+  TEST_ASSERT_EQUAL_UINT32(0xA5, parameters.get(static_cast<Register>(0x0008)));  // pp, pv, homing, stream
   TEST_ASSERT_EQUAL_UINT32(1, parameters.get(static_cast<Register>(0x0042)));
   TEST_ASSERT_EQUAL_UINT32(3, parameters.get(static_cast<Register>(0x006A)));
   TEST_ASSERT_EQUAL_UINT32(20, parameters.get(static_cast<Register>(0x0072)));

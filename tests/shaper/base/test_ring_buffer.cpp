@@ -6,6 +6,18 @@
 using stillpoint::RingBuffer;
 using stillpoint::testing::Random;
 
+TEST(a_peek_shows_the_oldest_and_leaves_it) {
+  RingBuffer<int, 2> ring;
+  int element = 7;
+  TEST_ASSERT_FALSE(ring.peek(element));
+  TEST_ASSERT_EQUAL_INT32(7, element);
+  TEST_ASSERT_TRUE(ring.push(1) && ring.push(2));
+  TEST_ASSERT_TRUE(ring.peek(element) && ring.size() == 2);
+  TEST_ASSERT_EQUAL_INT32(1, element);
+  TEST_ASSERT_TRUE(ring.pop(element) && ring.peek(element));
+  TEST_ASSERT_EQUAL_INT32(2, element);
+}
+
 TEST(a_new_ring_buffer_is_empty_and_gives_nothing) {
   RingBuffer<int32_t, 3> ring;
   int32_t value = 7;
