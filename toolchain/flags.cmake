@@ -18,7 +18,7 @@ target_compile_options(stillpoint_freestanding INTERFACE
   -ffreestanding -fno-exceptions -fno-rtti -fno-threadsafe-statics -fno-math-errno -Wdouble-promotion)
 if(CMAKE_CROSSCOMPILING)
   target_compile_options(stillpoint_freestanding INTERFACE
-    -Os -ffunction-sections -fdata-sections -fno-unwind-tables -fno-asynchronous-unwind-tables)
+    -Os -ffunction-sections -fdata-sections -fno-unwind-tables -fno-asynchronous-unwind-tables -fcallgraph-info=su)
   target_link_options(stillpoint_freestanding INTERFACE -nostdlib -Wl,--gc-sections)
   # The compiler's own helpers (64-bit and soft-float arithmetic): last in every link, whatever the order of libraries.
   set(CMAKE_CXX_STANDARD_LIBRARIES -lgcc)
