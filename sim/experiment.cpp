@@ -17,12 +17,6 @@ constexpr size_t kLineCapacity = size_t{1} << 17;  // two ZVDs of 0.02 Hz at a m
 constexpr size_t kTicksBetweenReports = size_t{1} << 18;
 using HostAxis = Axis<kLineCapacity>;
 
-// An axis must have quick-stop limits; no experiment here stops. A count a tick^2, a tick^3: valid at any tick.
-AxisConfig config_of(const MoveTask& task) {
-  const double per_tick = 1.0 / task.tick_s;
-  return AxisConfig{task.tick_s, task.limits, per_tick * per_tick, per_tick * per_tick * per_tick};
-}
-
 void check_length(uint32_t ticks, double tick_s) {
   if (ticks <= kMostRecordedTicks) return;
   throw bad_argument("duration", shortest(ticks * tick_s),
@@ -31,16 +25,24 @@ void check_length(uint32_t ticks, double tick_s) {
 
 }  // namespace
 
+AxisConfig axis_config_of(const MoveTask& task) {
+  const double per_tick = 1.0 / task.tick_s;
+  return AxisConfig{task.tick_s, task.limits, per_tick * per_tick, per_tick * per_tick * per_tick};
+}
+
+Move move_of(const MoveTask& task) {
+  return Move{task.distance_counts, task.profile.kind, task.limits,
+              task.duration_s,      task.zero_delay,   task.profile.detail};
+}
+
 Recording run_axis(const MoveTask& task, const ShaperDesign& design, const OnProgress& on_progress) {
   const auto axis = std::make_unique<HostAxis>();
-  require(axis->configure(config_of(task)), task.counts_per_unit);
+  require(axis->configure(axis_config_of(task)), task.counts_per_unit);
   axis->reset(0);
   require(axis->set_shaper(design));
   static_cast<void>(axis->tick());
   Recording recording{};
-  const Move move{task.distance_counts, task.profile.kind, task.limits,
-                  task.duration_s,      task.zero_delay,   task.profile.detail};
-  require(axis->command(move, &recording.report), task.counts_per_unit);
+  require(axis->command(move_of(task), &recording.report), task.counts_per_unit);
   const uint32_t total = recording.report.total_ticks;
   check_length(total, task.tick_s);
   recording.setpoints.reserve(total + 2U);

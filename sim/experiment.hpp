@@ -30,6 +30,11 @@ struct MoveTask {
   bool from_rest() const { return start.velocity == 0.0 && start.acceleration == 0.0; }
 };
 
+// An axis for that move alone. It must have quick-stop limits, which no experiment here uses: a count a tick^2, a
+// tick^3, valid at any tick.
+AxisConfig axis_config_of(const MoveTask& task);
+Move move_of(const MoveTask& task);
+
 // What an axis emitted. setpoints[0] is where it stood; setpoints[k] is what tick k returned. The last one stands.
 struct Recording {
   MoveReport report;

@@ -17,7 +17,9 @@ bool in_counts(Quantity quantity) {
     case Quantity::kJerk:
     case Quantity::kDecelerationJerk:
     case Quantity::kDistance:
-    case Quantity::kPosition: return true;
+    case Quantity::kPosition:
+    case Quantity::kAmplitude:
+    case Quantity::kTravel: return true;
     default: return false;
   }
 }

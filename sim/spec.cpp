@@ -137,6 +137,18 @@ std::string spec_text(const SpecifiedShaper& spec) {
   return text;
 }
 
+std::string spec_text(const std::vector<SpecifiedShaper>& specs) {
+  std::string text;
+  for (const SpecifiedShaper& spec : specs) text += (text.empty() ? "" : "+") + spec_text(spec);
+  return text;
+}
+
+std::vector<SpecifiedShaper> specified(const ShaperSpec* specs, size_t count) {
+  std::vector<SpecifiedShaper> all(count);
+  for (size_t i = 0; i < count; ++i) static_cast<ShaperSpec&>(all[i]) = specs[i].with_defaults();
+  return all;
+}
+
 std::vector<SpecifiedShaper> parse_shapers(std::string_view text) {
   std::vector<SpecifiedShaper> specs;
   for (const std::string& part : split(text, '+')) {

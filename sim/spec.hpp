@@ -24,6 +24,10 @@ SpecifiedShaper shaper_spec(ShaperKind kind, const Mode& mode, double tolerance 
 ImpulseTrain read_train(const std::string& path);
 
 std::string spec_text(const SpecifiedShaper& spec);
+// Joined by '+', as parse_shapers reads them.
+std::string spec_text(const std::vector<SpecifiedShaper>& specs);
+// What the core proposes, none of it custom.
+std::vector<SpecifiedShaper> specified(const ShaperSpec* specs, size_t count);
 
 // One SPEC, or several joined by '+'. `none` gives no shaper. Throws a Refusal.
 std::vector<SpecifiedShaper> parse_shapers(std::string_view text);

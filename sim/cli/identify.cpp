@@ -11,6 +11,7 @@
 #include "shaper/identify/quiet_start.hpp"
 #include "sim/cli/command.hpp"
 #include "sim/cli/csv.hpp"
+#include "sim/cli/identified.hpp"
 #include "sim/cli/json.hpp"
 #include "sim/cli/plot.hpp"
 #include "sim/cli/table.hpp"
@@ -39,13 +40,10 @@ struct Job {
   size_t first_row = 0;  // of the decay
   size_t end_row = 0;
   size_t decimation = 1;
-  double first_s = 0.0;  // of the first sample used, after row 0
-  double used_rate_hz = 0.0;
-  std::vector<float> samples;
-  Identification found{};
+  IdentifiedRecord record;  // its time after row 0
 
   // What the filter of a decimation keeps whole, or half of the rate.
-  double highest_hz() const { return (decimation > 1 ? 0.35 : 0.5) * used_rate_hz; }
+  double highest_hz() const { return (decimation > 1 ? 0.35 : 0.5) * record.rate_hz; }
 };
 
 void choose_rows(const IdentifyOptions& options, const sim::RecordTable& table, Job& job) {
@@ -73,36 +71,28 @@ Job prepared(const IdentifyOptions& options) {
   const size_t column = sim::column_of(table, options.column, "--column");
   job.column = table.names.empty() ? std::to_string(column) : table.names[column];
   choose_rows(options, table, job);
-  job.samples = sim::samples_of(table, column, job.first_row, job.end_row);
-  job.decimation = (job.samples.size() + kLargestFft - 1) / kLargestFft;
-  job.samples = sim::decimated(job.samples, job.decimation);
-  job.used_rate_hz = job.rate_hz / static_cast<double>(job.decimation);
+  job.record.samples = sim::samples_of(table, column, job.first_row, job.end_row);
+  job.decimation = (job.record.samples.size() + kLargestFft - 1) / kLargestFft;
+  job.record.samples = sim::decimated(job.record.samples, job.decimation);
+  job.record.rate_hz = job.rate_hz / static_cast<double>(job.decimation);
   const size_t delay = job.decimation > 1 ? 4 * job.decimation : 0;
-  job.first_s = static_cast<double>(job.first_row + delay) / job.rate_hz;
+  job.record.first_s = static_cast<double>(job.first_row + delay) / job.rate_hz;
   return job;
 }
 
 void find(const IdentifyOptions& options, Job& job) {
   static IdentifyMemory<kLargestFft> memory;
   IdentifyConfig config;
-  config.rate_hz = job.used_rate_hz;
+  config.rate_hz = job.record.rate_hz;
   config.most_modes = static_cast<size_t>(sim::parse_integer(options.most_modes, "--max-modes", 1, kMostComponents));
-  sim::require(identify({job.samples.data(), job.samples.size()}, config, IdentifyScratch(memory), job.found));
+  sim::require(identify({job.record.samples.data(), job.record.samples.size()}, config, IdentifyScratch(memory),
+                        job.record.found));
   // The amplitude of the first row, where a filter has cut the record's beginning off.
-  const double before_s = job.first_s - static_cast<double>(job.first_row) / job.rate_hz;
-  for (IdentifiedMode& mode : job.found.mode) {
+  const double before_s = job.record.first_s - static_cast<double>(job.first_row) / job.rate_hz;
+  for (IdentifiedMode& mode : job.record.found.mode) {
     mode.amplitude *= std::exp(2.0 * M_PI * mode.frequency_hz * mode.damping_ratio * before_s);
   }
 }
-
-std::vector<double> fitted(const Job& job) {
-  ModelSamples model(job.found.model, job.samples.size());
-  std::vector<double> values;
-  for (size_t n = 0; n < job.samples.size(); ++n) values.push_back(model.next());
-  return values;
-}
-
-double time_of(const Job& job, size_t n) { return job.first_s + static_cast<double>(n) / job.used_rate_hz; }
 
 void write_csv(const std::string& path, const IdentifyOptions& options, const Job& job) {
   CsvFile csv(path, "identify",
@@ -110,112 +100,39 @@ void write_csv(const std::string& path, const IdentifyOptions& options, const Jo
                {"column", job.column},
                {"rate", sim::shortest(job.rate_hz) + " Hz"},
                {"decimation", std::to_string(job.decimation)},
-               {"result", text(job.found.finding)},
+               {"result", text(job.record.found.finding)},
                {"record", "less its first value"}},
               {"time_s", "record", "fit", "residual"});
-  const std::vector<double> fit = fitted(job);
+  const std::vector<double> fit = fitted(job.record);
   for (size_t n = 0; n < fit.size(); ++n) {
-    const auto sample = static_cast<double>(job.samples[n]);
-    csv.row(
-        {sim::shortest(time_of(job, n)), sim::shortest(sample), sim::shortest(fit[n]), sim::shortest(sample - fit[n])});
+    const auto sample = static_cast<double>(job.record.samples[n]);
+    csv.row({sim::shortest(job.record.time_of(n)), sim::shortest(sample), sim::shortest(fit[n]),
+             sim::shortest(sample - fit[n])});
   }
   csv.close();
 }
 
-// Power in decibels over its largest, with the same window as the figure's readers expect.
-Panel spectrum_of(const Job& job) {
-  std::vector<double> power(fft_size_for(job.samples.size()), 0.0);
-  const DecayModel straight{job.found.model.offset, job.found.model.drift, 0, {}};
-  ModelSamples mean(straight, job.samples.size());
-  for (size_t n = 0; n < job.samples.size(); ++n) power[n] = static_cast<double>(job.samples[n]) - mean.next();
-  apply_hann(power.data(), job.samples.size());
-  const size_t size = power.size();
-  Panel panel{"Spectrum (Hann) with the modes found", "frequency [Hz]", "power [dB]", {}, {}};
-  if (!real_fft(power.data(), size)) return panel;
-  to_power(power.data(), size);
-  const double top = *std::max_element(power.begin(), power.begin() + static_cast<std::ptrdiff_t>(size / 2));
-  const auto level = [&](size_t k) { return 10.0 * std::log10(std::max(power[k] / top, 1e-12)); };
-  Series curve{"record", line_style(kPlainColour, 1), {}, {}};
-  for (size_t k = 1; k < size / 2; ++k) {
-    curve.x.push_back(job.used_rate_hz * static_cast<double>(k) / static_cast<double>(size));
-    curve.y.push_back(level(k));
-  }
-  panel.series.push_back(curve);
-  for (size_t i = 0; i < job.found.mode_count; ++i) {
-    const IdentifiedMode& mode = job.found.mode[i];
-    const double damped = mode.frequency_hz * std::sqrt(1.0 - mode.damping_ratio * mode.damping_ratio);
-    const auto k = static_cast<size_t>(std::lround(damped / job.used_rate_hz * static_cast<double>(size)));
-    panel.series.push_back({fmt::format("{:.4g} Hz, zeta {:.3g}", mode.frequency_hz, mode.damping_ratio),
-                            "points pt 7 ps 1",
-                            {damped},
-                            {level(std::min(k, size / 2 - 1))}});
-  }
-  return panel;
-}
-
 void draw_it(const std::string& path, const IdentifyOptions& options, const Job& job) {
-  Panel record{"Record and fit, " + job.column, "time [s]", "record, less its first value", {}, {}};
-  Series measured{"record", line_style(kPlainColour, 1), {}, {}};
-  Series fit{"fit", line_style(kShapedColour, 1), {}, fitted(job)};
-  for (size_t n = 0; n < job.samples.size(); ++n) {
-    measured.x.push_back(time_of(job, n));
-    measured.y.push_back(static_cast<double>(job.samples[n]));
-  }
-  fit.x = measured.x;
-  record.series = {measured, fit};
-  draw(path, Picture{"stillpoint identify " + options.file, {record, spectrum_of(job)}});
+  draw(path, Picture{"stillpoint identify " + options.file,
+                     {record_panel(job.record, "Record and fit, " + job.column, "record, less its first value"),
+                      spectrum_panel(job.record)}});
 }
 
-Json json_of(const Job& job) {
-  Json modes = Json::array();
-  for (size_t i = 0; i < job.found.mode_count; ++i) {
-    const IdentifiedMode& mode = job.found.mode[i];
-    const bool halves = mode.damping_early != 0.0 || mode.damping_late != 0.0;
-    modes.push_back({{"frequency_hz", mode.frequency_hz},
-                     {"damping_ratio", mode.damping_ratio},
-                     {"amplitude", mode.amplitude},
-                     {"frequency_std_hz", mode.frequency_std_hz},
-                     {"damping_std", mode.damping_std},
-                     {"confidence", mode.confidence},
-                     {"viscous", mode.viscous},
-                     {"damping_early", halves ? Json(mode.damping_early) : Json(nullptr)},
-                     {"damping_late", halves ? Json(mode.damping_late) : Json(nullptr)}});
-  }
-  return {{"result", text(job.found.finding)},
-          {"modes", modes},
-          {"confidence", job.found.confidence},
-          {"noise", job.found.noise},
-          {"hum_hz", job.found.hum_hz > 0.0 ? Json(job.found.hum_hz) : Json(nullptr)},
-          {"column", job.column},
-          {"first_row", job.first_row},
-          {"end_row", job.end_row},
-          {"decimation", job.decimation},
-          {"highest_hz", job.highest_hz()}};
+Json json_of_job(const Job& job) {
+  Json object = json_of(job.record.found);
+  object["column"] = job.column;
+  object["first_row"] = job.first_row;
+  object["end_row"] = job.end_row;
+  object["decimation"] = job.decimation;
+  object["highest_hz"] = job.highest_hz();
+  return object;
 }
 
 void print_as_table(const Job& job) {
   fmt::print("{}: rows {} to {}, {} samples at {} Hz, so up to {} Hz; what the fit leaves: {} rms\n\n", job.column,
-             job.first_row, job.end_row, job.samples.size(), figure(job.used_rate_hz), figure(job.highest_hz()),
-             figure(job.found.noise));
-  Table table({"mode", "frequency [Hz]", "+-", "damping ratio", "+-", "amplitude", "confidence", "viscous"});
-  for (size_t i = 0; i < job.found.mode_count; ++i) {
-    const IdentifiedMode& mode = job.found.mode[i];
-    table.row({std::to_string(i + 1), fmt::format("{:.4f}", mode.frequency_hz),
-               fmt::format("{:.4f}", mode.frequency_std_hz), fmt::format("{:.5f}", mode.damping_ratio),
-               fmt::format("{:.5f}", mode.damping_std), figure(mode.amplitude), fmt::format("{:.2f}", mode.confidence),
-               yes_no(mode.viscous)});
-  }
-  if (job.found.mode_count > 0) table.print();
-  if (job.found.hum_hz > 0.0) fmt::print("A hum of {} Hz does not decay.\n", figure(job.found.hum_hz));
-}
-
-const char* why(Finding finding) {
-  switch (finding) {
-    case Finding::kNoMode: return "nothing in it rings and decays, a record of ringing is accepted";
-    case Finding::kNoisy: return "what may ring in it cannot be told from its noise, a stronger excitation is accepted";
-    case Finding::kSaturated: return "it is cut off at its extremes, a record within the sensor's range is accepted";
-    default: return "it is too short, at least three periods and 32 samples are accepted";
-  }
+             job.first_row, job.end_row, job.record.samples.size(), figure(job.record.rate_hz),
+             figure(job.highest_hz()), figure(job.record.found.noise));
+  print_modes(job.record.found);
 }
 
 int run(const IdentifyOptions& options, const Output& output) {
@@ -225,13 +142,14 @@ int run(const IdentifyOptions& options, const Output& output) {
   if (!output.csv.empty()) write_csv(output.csv, options, job);
   if (!output.plot.empty()) draw_it(output.plot, options, job);
   if (output.json) {
-    print_json(json_of(job));
+    print_json(json_of_job(job));
   } else {
     print_as_table(job);
   }
-  if (job.found.finding == Finding::kFound) return 0;
+  if (job.record.found.finding == Finding::kFound) return 0;
   std::fflush(stdout);
-  std::fprintf(stderr, "stillpoint: error: record: %s: %s\n", text(job.found.finding), why(job.found.finding));
+  std::fprintf(stderr, "stillpoint: error: record: %s: %s\n", text(job.record.found.finding),
+               why(job.record.found.finding));
   return 1;
 }
 

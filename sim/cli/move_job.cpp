@@ -7,21 +7,34 @@
 
 namespace stillpoint::cli {
 
-void add_move_job(CLI::App& app, MoveJobOptions& options) {
-  add_move_options(app, options.move);
-  add_shaper(app, options.shaper);
-  app.add_flag("--zero-delay", options.zero_delay,
-               "the shaped move ends within --shaped-duration, or --duration, or the least time the limits allow");
+namespace {
+
+void add_arm(CLI::App& app, MoveJobOptions& options) {
   add_value(app, "--shaped-duration", options.shaped_duration, "T",
-            "duration of the shaped move with --zero-delay [s] (default: --duration)");
+            "duration of the shaped move with zero delay [s] (default: --duration)");
   add_value(app, "--arm", options.arm, "F:Z[:SHARE],...",
             "the simulated arm: each mode's frequency [Hz], damping ratio and share of the displacement");
   add_value(app, "--settle-band", options.settle_band, "R",
             "settled: tip acceleration below this part of the plain peak after the move (default 0.2)");
 }
 
-MoveJob job_of(const MoveJobOptions& options) {
-  MoveJob job{task_of(options.move), {}, specs_of(options.shaper), {}, {}, 0.0};
+}  // namespace
+
+void add_move_job(CLI::App& app, MoveJobOptions& options) {
+  add_move_options(app, options.move);
+  add_shaper(app, options.shaper);
+  app.add_flag("--zero-delay", options.zero_delay,
+               "the shaped move ends within --shaped-duration, or --duration, or the least time the limits allow");
+  add_arm(app, options);
+}
+
+void add_move_job_without_shaper(CLI::App& app, MoveJobOptions& options) {
+  add_move_options(app, options.move);
+  add_arm(app, options);
+}
+
+MoveJob job_without_shaper(const MoveJobOptions& options) {
+  MoveJob job{task_of(options.move), {}, {}, {}, {}, 0.0};
   job.shaped = job.plain;
   job.shaped.zero_delay = options.zero_delay;
   if (!options.shaped_duration.empty()) {
@@ -31,7 +44,6 @@ MoveJob job_of(const MoveJobOptions& options) {
     }
     job.shaped.duration_s = sim::parse_positive(options.shaped_duration, "--shaped-duration");
   }
-  job.design = sim::design_for(job.specs, job.plain.tick_s);
   if (options.arm.empty()) {
     throw sim::bad_argument("--arm", "missing", "an arm is needed, e.g. `--arm 11:0.11` is accepted");
   }
@@ -43,6 +55,17 @@ MoveJob job_of(const MoveJobOptions& options) {
   return job;
 }
 
+void set_shapers(const std::vector<sim::SpecifiedShaper>& specs, MoveJob& job) {
+  job.specs = specs;
+  job.design = sim::design_for(specs, job.plain.tick_s);
+}
+
+MoveJob job_of(const MoveJobOptions& options) {
+  MoveJob job = job_without_shaper(options);
+  set_shapers(specs_of(options.shaper), job);
+  return job;
+}
+
 sim::Comparison run_on_host(const MoveJob& job) {
   Progress progress("moving on the host");
   sim::Recording plain = sim::run_axis(job.plain, ShaperDesign{}, [&](double part) { progress.update(0.5 * part); });
@@ -50,6 +73,16 @@ sim::Comparison run_on_host(const MoveJob& job) {
       sim::run_axis(job.shaped, job.design, [&](double part) { progress.update(0.5 + 0.5 * part); });
   return sim::compare(job.plain, std::move(plain), job.shaped, std::move(shaped), job.arm, job.design.stage_count,
                       job.settle_band);
+}
+
+sim::Comparison run_within_or_least(MoveJob& job) {
+  try {
+    return run_on_host(job);
+  } catch (const sim::Refusal& refusal) {
+    if (refusal.exit_code() != 1 || job.shaped.duration_s == 0.0) throw;
+  }
+  job.shaped.duration_s = 0.0;
+  return run_on_host(job);
 }
 
 }  // namespace stillpoint::cli

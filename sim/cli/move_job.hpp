@@ -21,6 +21,8 @@ struct MoveJobOptions {
   std::string shaped_duration;
 };
 void add_move_job(CLI::App& app, MoveJobOptions& options);
+// All but --shaper and --zero-delay.
+void add_move_job_without_shaper(CLI::App& app, MoveJobOptions& options);
 
 struct MoveJob {
   sim::MoveTask plain;
@@ -31,8 +33,12 @@ struct MoveJob {
   double settle_band;
 };
 MoveJob job_of(const MoveJobOptions& options);
+MoveJob job_without_shaper(const MoveJobOptions& options);
+void set_shapers(const std::vector<sim::SpecifiedShaper>& specs, MoveJob& job);
 
 // Both moves through an axis on the host.
 sim::Comparison run_on_host(const MoveJob& job);
+// The same; where the limits do not allow the shaped move its duration, in the least time, and `job` says so.
+sim::Comparison run_within_or_least(MoveJob& job);
 
 }  // namespace stillpoint::cli

@@ -45,22 +45,6 @@ Traces traces_of(const MoveJob& job, const sim::Comparison& comparison) {
 
 Signal at(const std::vector<Signal>& setpoints, size_t tick) { return setpoints[std::min(tick, setpoints.size() - 1)]; }
 
-Settings job_settings(const MoveJob& job) {
-  Settings settings = settings_of(job.plain);
-  for (const sim::SpecifiedShaper& spec : job.specs) settings.emplace_back("shaper", sim::spec_text(spec));
-  for (const sim::ArmMode& mode : job.arm) {
-    settings.emplace_back("arm mode", sim::shortest(mode.mode.frequency_hz) + " Hz, damping ratio " +
-                                          sim::shortest(mode.mode.damping_ratio) + ", share " +
-                                          sim::shortest(mode.share));
-  }
-  const bool own = job.shaped.duration_s > 0.0;
-  if (job.shaped.zero_delay) {
-    settings.emplace_back("zero delay within", own ? sim::shortest(job.shaped.duration_s) + " s" : "the least time");
-  }
-  settings.emplace_back("settle band", sim::shortest(job.settle_band));
-  return settings;
-}
-
 // One curve over time; `values` from `begin` on, each less `offset`.
 Series curve(const std::string& label, const std::string& style, double tick_s, const std::vector<double>& values,
              size_t begin, double offset) {
@@ -92,6 +76,22 @@ Series residual_curve(const std::string& label, const std::string& colour, doubl
 }
 
 }  // namespace
+
+Settings settings_of(const MoveJob& job) {
+  Settings settings = settings_of(job.plain);
+  for (const sim::SpecifiedShaper& spec : job.specs) settings.emplace_back("shaper", sim::spec_text(spec));
+  for (const sim::ArmMode& mode : job.arm) {
+    settings.emplace_back("arm mode", sim::shortest(mode.mode.frequency_hz) + " Hz, damping ratio " +
+                                          sim::shortest(mode.mode.damping_ratio) + ", share " +
+                                          sim::shortest(mode.share));
+  }
+  const bool own = job.shaped.duration_s > 0.0;
+  if (job.shaped.zero_delay) {
+    settings.emplace_back("zero delay within", own ? sim::shortest(job.shaped.duration_s) + " s" : "the least time");
+  }
+  settings.emplace_back("settle band", sim::shortest(job.settle_band));
+  return settings;
+}
 
 Json json_of(const sim::Comparison& comparison) {
   return {{"plain", json_of_figures(comparison.plain_figures)},
@@ -135,7 +135,7 @@ void add_timing(Json& object, const MoveReport& report) {
 void write_move_csv(const std::string& path, const std::string& command, const MoveJob& job,
                     const sim::Comparison& comparison) {
   CsvFile csv(
-      path, command, job_settings(job),
+      path, command, settings_of(job),
       {"tick", "time_s", "plain_setpoint_counts", "plain_setpoint", "plain_motor", "plain_arm", "plain_acceleration",
        "shaped_setpoint_counts", "shaped_setpoint", "shaped_motor", "shaped_arm", "shaped_acceleration"});
   const Traces traces = traces_of(job, comparison);

@@ -13,6 +13,8 @@
 
 namespace stillpoint::cli {
 
+Settings settings_of(const MoveJob& job);
+
 // `plain`, `shaped`, `residual_ratio`, `within_limits`, `zero_delay_met`.
 Json json_of(const sim::Comparison& comparison);
 

@@ -73,13 +73,7 @@ Answer answer_to(const Question& question, bool optimal) {
 }
 
 std::string spec_text(const Candidate& candidate) {
-  std::string text;
-  for (uint32_t i = 0; i < candidate.spec_count; ++i) {
-    sim::SpecifiedShaper spec{};
-    static_cast<ShaperSpec&>(spec) = candidate.specs[i];
-    text += (i == 0 ? "" : "+") + sim::spec_text(spec);
-  }
-  return text;
+  return sim::spec_text(sim::specified(candidate.specs, candidate.spec_count));
 }
 
 // Of candidate i: why it is not the first.

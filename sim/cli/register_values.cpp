@@ -107,16 +107,19 @@ std::vector<ModeRegisters> registers_of(const std::vector<sim::SpecifiedShaper>&
   return all;
 }
 
+void round_to_registers(sim::SpecifiedShaper& spec) {
+  const ModeRegisters mode = registers_of(std::vector<sim::SpecifiedShaper>{spec})[0];
+  spec.mode = {mode.frequency / kFrequencyPerHz, mode.damping / kDampingPerOne};
+  spec.tolerance = mode.tolerance / kTolerancePerOne;
+  spec.spacing = mode.spacing / kSpacingPerPeriod;
+}
+
 MoveJob rounded(const MoveJob& job) {
   MoveJob exact = job;
   exact.plain = rounded(job.plain);
   exact.shaped = rounded(job.shaped);
-  const std::vector<ModeRegisters> modes = registers_of(job.specs);
-  for (size_t i = 0; i < modes.size(); ++i) {
-    exact.specs[i].mode = {modes[i].frequency / kFrequencyPerHz, modes[i].damping / kDampingPerOne};
-    exact.specs[i].tolerance = modes[i].tolerance / kTolerancePerOne;
-    exact.specs[i].spacing = modes[i].spacing / kSpacingPerPeriod;
-  }
+  static_cast<void>(registers_of(job.specs));  // there is room for as many
+  for (sim::SpecifiedShaper& spec : exact.specs) round_to_registers(spec);
   exact.design = sim::design_for(exact.specs, exact.plain.tick_s);
   return exact;
 }

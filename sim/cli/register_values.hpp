@@ -33,6 +33,9 @@ struct MoveRegisters {
 MoveRegisters registers_of(const sim::MoveTask& task);
 std::vector<ModeRegisters> registers_of(const std::vector<sim::SpecifiedShaper>& specs);
 
+// The specification as its registers have it. Refuses as registers_of.
+void round_to_registers(sim::SpecifiedShaper& spec);
+
 // The job with every quantity as its register has it.
 MoveJob rounded(const MoveJob& job);
 

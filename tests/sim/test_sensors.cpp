@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Encoder, accelerometer and their noise; the drive they sit in.
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 
@@ -13,6 +14,7 @@ using stillpoint::kSignalPerCount;
 using stillpoint::Signal;
 using stillpoint::signal_from_counts;
 using stillpoint::sim::Accelerometer;
+using stillpoint::sim::Arm;
 using stillpoint::sim::Encoder;
 using stillpoint::sim::EncoderConfig;
 using stillpoint::sim::Noise;
@@ -125,6 +127,40 @@ TEST_F(Drive, feedback_counts_its_sequence_and_says_what_was_staged) {
   const stillpoint::hal::ServoFeedback feedback = drive.exchange({0, false});
   TEST_ASSERT_EQUAL_INT32(6, feedback.sequence);
   TEST_ASSERT_FALSE(feedback.valid || feedback.commit);
+}
+
+TEST_HOST(an_arm_shakes_its_motor_by_its_reaction_and_the_encoder_sees_it) {
+  SimulatedDriveConfig config = Drive::config();
+  config.start = 0;
+  config.modes = {{{11.0, 0.02}, 0.9}, {{31.0, 0.01}, 0.1}};
+  SimulatedDrive stiff(config);
+  config.reaction = 0.03;
+  SimulatedDrive soft(config);
+  Arm arm(config.modes, config.tick_s);
+  double rocked = 0.0;
+  for (int i = 1; i <= 2000; ++i) {
+    // 0.2 s at one velocity, then standing.
+    const int32_t counts = 500 * std::min(i, 200);
+    arm.step(i <= 200 ? 500e-6 : 0.0);
+    const double followed = 1e-6 * counts;
+    const Signal read = soft.exchange({signal_from_counts(counts), true}).position;
+    TEST_ASSERT_EQUAL_INT64(signal_from_counts(counts), stiff.exchange({signal_from_counts(counts), true}).position);
+    TEST_ASSERT_EQUAL_INT64(read, soft.motor());
+    const double given_way = 1e-6 * static_cast<double>(read - signal_from_counts(counts)) / kSignalPerCount;
+    TEST_ASSERT_DOUBLE_WITHIN(1e-12, 0.03 * arm.deflection(), given_way);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-12, followed + arm.deflection(), soft.tip_position());
+    TEST_ASSERT_TRUE(soft.tip_position() == stiff.tip_position() && soft.tip_velocity() == stiff.tip_velocity());
+    if (i > 200) rocked = std::max(rocked, std::abs(given_way));
+  }
+  TEST_ASSERT_TRUE(rocked > 1e-4);
+}
+
+TEST_HOST(a_drive_refuses_a_reaction_that_no_servo_has) {
+  SimulatedDriveConfig config = Drive::config();
+  for (const double reaction : {-0.1, 1.0, std::nan("")}) {
+    config.reaction = reaction;
+    REQUIRE_THROWS_AS(SimulatedDrive{config}, std::invalid_argument);
+  }
 }
 
 TEST_HOST(a_jump_over_the_whole_range_of_positions_is_felt_in_full) {

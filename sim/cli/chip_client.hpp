@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+// The firmware's set-up and its handshakes, from a Modbus client's side.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+#include "firmware/registers.hpp"
+#include "shaper/axis/axis_config.hpp"
+#include "sim/cli/register_values.hpp"
+#include "sim/hil/session.hpp"
+
+namespace stillpoint::cli {
+
+// A Refusal's result where the drive gave up on a host that was kept from running.
+constexpr char kHostTooSlow[] = "host_too_slow";
+
+// Everything ticks until the firmware has answered, and throws a Refusal: of the line, or with the drive's own reason.
+class ChipClient {
+ public:
+  explicit ChipClient(sim::Session& session) : session_(session) {}
+
+  void enable();
+  void set_shaper(const std::vector<ModeRegisters>& modes);
+  void set_move(const MoveRegisters& move);
+  // Starts the move that is set.
+  MoveReport start();
+  // Until the drive reports the target reached.
+  void finish();
+
+  uint16_t read(firmware::Register name) { return session_.read(firmware::address_of(name), 1)[0]; }
+  uint32_t read32(firmware::Register name) { return session_.read32(firmware::address_of(name)); }
+  void write(firmware::Register name, uint16_t value) { session_.write(firmware::address_of(name), value); }
+  void write32(firmware::Register name, uint32_t value) { session_.write32(firmware::address_of(name), value); }
+
+  // Asks until it is so; refuses a fault meanwhile, and `drive_stalled` after `patience_ticks`.
+  // A stalled drive ends the run, a slow one does not: planning takes a few ticks of the emulated chip.
+  static constexpr uint64_t kPatienceTicks = 20000;
+  void wait(const char* what, const std::function<bool()>& condition, uint64_t patience_ticks = kPatienceTicks);
+
+  // With what registers 0012, 0013 and 0016 say.
+  [[noreturn]] void refuse_with_reason();
+
+ private:
+  uint16_t status() { return read(firmware::Register::kStatusword); }
+  void raise_maximum(firmware::Register name, uint32_t wanted);
+
+  sim::Session& session_;
+};
+
+}  // namespace stillpoint::cli
