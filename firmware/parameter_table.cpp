@@ -157,12 +157,12 @@ constexpr Parameter kParameters[kParameterCount] = {
     // Both take where the axis stands for home; 37 is the number that older clients know it by.
     value(R::kHomingMethod, T::kI16, 0x6098, 35, 37, 35, "homing method", "", one_of(35 - 35, 37 - 35)),
 
-    value(R::kStreamInterval, T::kU16, 0, 1, kMostStreamInterval, 10, "stream: from position to position", "ticks"),
-    value(R::kStreamPolicy, T::kU16, 0, 0, 1, 0, "stream: 0 keep within the limits, 1 fault beyond them", ""),
-    shown(R::kStreamBuffered, T::kU16, 0, 0, "stream: positions that wait"),
-    shown(R::kStreamRoom, T::kU16, 0, kStreamPositions, "stream: room for more"),
-    shown(R::kStreamLimitedTicks, T::kU32, 0, 0, "stream: ticks kept within the limits", "ticks"),
-    shown(R::kStreamUnderruns, T::kU32, 0, 0, "stream: times that positions ran out"),
+    value(R::kStreamInterval, T::kU16, 0, 1, kMostStreamInterval, 10, "stream interval", "ticks"),
+    value(R::kStreamPolicy, T::kU16, 0, 0, 1, 0, "stream policy (0 keep within the limits, 1 fault)", ""),
+    shown(R::kStreamBuffered, T::kU16, 0, 0, "stream positions waiting"),
+    shown(R::kStreamRoom, T::kU16, 0, kStreamPositions, "stream room"),
+    shown(R::kStreamLimitedTicks, T::kU32, 0, 0, "stream limited ticks", "ticks"),
+    shown(R::kStreamUnderruns, T::kU32, 0, 0, "stream underruns"),
 
     value(R::kModeCount, T::kU16, 0, 0, kMaxModes, 0, "modes staged", ""),
     with(Effect::kShaperSet, value(R::kShaperSet, T::kU16, 0, 0, kShaperSets - 1, 0, "shaper set", "")),

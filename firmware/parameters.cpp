@@ -51,6 +51,10 @@ void Parameters::adopt(const AxisConfig& config) {
   adopt_one(Register::kQuickStopJerk, config.quick_stop_jerk / kJerkUnit);
   set_signed(Register::kSoftLimitLow, config.soft_low_counts);
   set_signed(Register::kSoftLimitHigh, config.soft_high_counts);
+  lower_profile();
+}
+
+void Parameters::lower_profile() {
   lower_to(Register::kProfileVelocity, Register::kMaximumVelocity);
   lower_to(Register::kProfileAcceleration, Register::kMaximumAcceleration);
   lower_to(Register::kProfileDeceleration, Register::kMaximumAcceleration);

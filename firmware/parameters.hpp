@@ -71,6 +71,9 @@ class Parameters {
   // Takes the axis's maxima and quick stop, rounded down to whole registers, and lowers the profile to them.
   void adopt(const AxisConfig& config);
 
+  // The profile's limits are never above the axis's maxima.
+  void lower_profile();
+
   uint32_t value(size_t index) const { return values_[index]; }
   void set_value(size_t index, uint32_t value) { values_[index] = value; }
 

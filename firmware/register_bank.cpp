@@ -222,7 +222,10 @@ void RegisterBank::commit(const Request& request) {
 void RegisterBank::set_off(const Parameter& parameter, uint32_t value) {
   switch (parameter.effect) {
     case Effect::kControlword: parts_.drive->write_controlword(static_cast<uint16_t>(value)); break;
-    case Effect::kAxisLimits:  // done by the check, which is the axis's own
+    case Effect::kAxisLimits:  // the axis has taken them in the check
+      parts_.parameters->lower_profile();
+      watch();
+      break;
     case Effect::kWatch: watch(); break;
     case Effect::kVelocity: parts_.drive->write_velocity(); break;
     case Effect::kApplyShaper:

@@ -47,9 +47,9 @@ void ChipClient::set_shaper(const std::vector<ModeRegisters>& modes) {
   write(Register::kModeCount, static_cast<uint16_t>(modes.size()));
   for (uint32_t k = 0; k < modes.size(); ++k) {
     const ModeRegisters& mode = modes[k];
-    session_.write(address_of(firmware::mode_register(k, firmware::ModeField::kFrequency)),
-                   {static_cast<uint16_t>(mode.frequency >> 16), static_cast<uint16_t>(mode.frequency), mode.damping,
-                    mode.tolerance, mode.kind, mode.spacing});
+    port_.write(address_of(firmware::mode_register(k, firmware::ModeField::kFrequency)),
+                {static_cast<uint16_t>(mode.frequency >> 16), static_cast<uint16_t>(mode.frequency), mode.damping,
+                 mode.tolerance, mode.kind, mode.spacing});
   }
   write(Register::kApplyShaper, kApplyAtRest);
   wait("the shaper in force", [this] {
@@ -73,8 +73,9 @@ void ChipClient::set_move(const MoveRegisters& move) {
   write(Register::kZeroDelay, move.zero_delay);
 }
 
-MoveReport ChipClient::start() {
-  write(Register::kControlword, kEnableOperation | firmware::kControlNewSetPoint);
+MoveReport ChipClient::start(bool relative) {
+  const uint16_t how = relative ? firmware::kControlRelative : uint16_t{0};
+  write(Register::kControlword, static_cast<uint16_t>(kEnableOperation | firmware::kControlNewSetPoint | how));
   wait("the set-point taken", [this] {
     if (read(Register::kRefusalReason) != 0) refuse_with_reason();
     return (status() & firmware::kStatusSetPointTaken) != 0;
@@ -99,18 +100,18 @@ void ChipClient::raise_maximum(Register name, uint32_t wanted) {
 }
 
 void ChipClient::wait(const char* what, const std::function<bool()>& condition, uint64_t patience_ticks) {
-  const uint64_t begun = session_.ticks();
+  const uint64_t begun = port_.ticks();
   while (!condition()) {
     const uint16_t fault = read(Register::kErrorCode);
     if (fault != 0) refuse_fault(fault);
-    if (session_.ticks() - begun > patience_ticks) {
+    if (port_.ticks() - begun > patience_ticks) {
       throw cannot("drive", what, "not reached in time, a firmware that gets there is accepted", "drive_stalled");
     }
   }
 }
 
 void ChipClient::refuse_with_reason() {
-  const std::vector<uint16_t> refusal = session_.read(address_of(Register::kRefusalReason), 2);
+  const std::vector<uint16_t> refusal = port_.read(address_of(Register::kRefusalReason), 2);
   const uint32_t accepted = read32(Register::kRefusalAccepted);
   const bool by_the_core = (refusal[0] & 0x8000U) == 0;
   const std::string why = by_the_core ? text(static_cast<Error>(refusal[0] >> 8)) : "reason " + hexadecimal(refusal[0]);

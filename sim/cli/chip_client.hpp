@@ -9,30 +9,30 @@
 #include "firmware/registers.hpp"
 #include "shaper/axis/axis_config.hpp"
 #include "sim/cli/register_values.hpp"
-#include "sim/hil/session.hpp"
+#include "sim/hil/register_port.hpp"
 
 namespace stillpoint::cli {
 
 // A Refusal's result where the drive gave up on a host that was kept from running.
 constexpr char kHostTooSlow[] = "host_too_slow";
 
-// Everything ticks until the firmware has answered, and throws a Refusal: of the line, or with the drive's own reason.
+// Everything waits until the firmware has answered, and throws a Refusal: of the line, or with the drive's own reason.
 class ChipClient {
  public:
-  explicit ChipClient(sim::Session& session) : session_(session) {}
+  explicit ChipClient(sim::RegisterPort& port) : port_(port) {}
 
   void enable();
   void set_shaper(const std::vector<ModeRegisters>& modes);
   void set_move(const MoveRegisters& move);
-  // Starts the move that is set.
-  MoveReport start();
+  // Starts the move that is set; `relative`: its target counts from the one in force.
+  MoveReport start(bool relative = false);
   // Until the drive reports the target reached.
   void finish();
 
-  uint16_t read(firmware::Register name) { return session_.read(firmware::address_of(name), 1)[0]; }
-  uint32_t read32(firmware::Register name) { return session_.read32(firmware::address_of(name)); }
-  void write(firmware::Register name, uint16_t value) { session_.write(firmware::address_of(name), value); }
-  void write32(firmware::Register name, uint32_t value) { session_.write32(firmware::address_of(name), value); }
+  uint16_t read(firmware::Register name) { return port_.read(firmware::address_of(name), 1)[0]; }
+  uint32_t read32(firmware::Register name) { return port_.read32(firmware::address_of(name)); }
+  void write(firmware::Register name, uint16_t value) { port_.write(firmware::address_of(name), value); }
+  void write32(firmware::Register name, uint32_t value) { port_.write32(firmware::address_of(name), value); }
 
   // Asks until it is so; refuses a fault meanwhile, and `drive_stalled` after `patience_ticks`.
   // A stalled drive ends the run, a slow one does not: planning takes a few ticks of the emulated chip.
@@ -46,7 +46,7 @@ class ChipClient {
   uint16_t status() { return read(firmware::Register::kStatusword); }
   void raise_maximum(firmware::Register name, uint32_t wanted);
 
-  sim::Session& session_;
+  sim::RegisterPort& port_;
 };
 
 }  // namespace stillpoint::cli

@@ -69,6 +69,8 @@ int Commands::dispatch() {
 
 int Commands::main(int argc, char** argv, Output& output) {
   app_.allow_extras();
+  // One command; a word after it that is another's name (`drive PORT move`) is its own business.
+  app_.require_subcommand(0, 1);
   try {
     try {
       app_.parse(argc, argv);

@@ -64,6 +64,8 @@ void add_identify(Commands& commands, Output& output);
 void add_shape(Commands& commands);
 void add_move(Commands& commands, Output& output);
 void add_hil(Commands& commands, Output& output);
+void add_drive(Commands& commands, Output& output);
+void add_emulate(Commands& commands);
 void add_demo(Commands& commands, Output& output);
 void add_park(Commands& commands, Output& output);
 void add_table(Commands& commands, Output& output);

@@ -18,6 +18,8 @@ int main(int argc, char** argv) {
   stillpoint::cli::add_shape(commands);
   stillpoint::cli::add_move(commands, output);
   stillpoint::cli::add_hil(commands, output);
+  stillpoint::cli::add_drive(commands, output);
+  stillpoint::cli::add_emulate(commands);
   stillpoint::cli::add_demo(commands, output);
   stillpoint::cli::add_park(commands, output);
   stillpoint::cli::add_table(commands, output);

@@ -32,22 +32,12 @@ std::vector<uint16_t> Session::read(uint16_t address, uint16_t count) {
   return ask(address).registers;
 }
 
-uint32_t Session::read32(uint16_t address) {
-  const std::vector<uint16_t> words = read(address, 2);
-  return static_cast<uint32_t>(words[0]) << 16 | words[1];
-}
-
-void Session::write(uint16_t address, uint16_t value) {
-  client_.write(address, value);
-  ask(address);
-}
-
-void Session::write32(uint16_t address, uint32_t value) {
-  write(address, std::vector<uint16_t>{static_cast<uint16_t>(value >> 16), static_cast<uint16_t>(value)});
-}
-
 void Session::write(uint16_t address, const std::vector<uint16_t>& values) {
-  client_.write(address, values);
+  if (values.size() == 1) {
+    client_.write(address, values[0]);
+  } else {
+    client_.write(address, values);
+  }
   ask(address);
 }
 

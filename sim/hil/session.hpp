@@ -10,10 +10,11 @@
 #include "hal/servo_port.hpp"
 #include "sim/hil/lock.hpp"
 #include "sim/hil/modbus_client.hpp"
+#include "sim/hil/register_port.hpp"
 
 namespace stillpoint::sim {
 
-class Session {
+class Session final : public RegisterPort {
  public:
   // Ticks that a client waits for its answer before it asks again, and how often it asks. The firmware may plan in
   // between (see AxisCore::command); and on a loaded host its own millisecond can run ahead of the bytes that the
@@ -27,16 +28,14 @@ class Session {
 
   void tick();
 
-  // These tick until the firmware has answered. Throw a Refusal: `client_silent`, or `client_refused` for an exception.
-  std::vector<uint16_t> read(uint16_t address, uint16_t count);
-  uint32_t read32(uint16_t address);
-  void write(uint16_t address, uint16_t value);
-  void write32(uint16_t address, uint32_t value);
-  void write(uint16_t address, const std::vector<uint16_t>& values);
+  // These tick until the firmware has answered.
+  std::vector<uint16_t> read(uint16_t address, uint16_t count) override;
+  using RegisterPort::write;
+  void write(uint16_t address, const std::vector<uint16_t>& values) override;
 
   // Requests sent again; 0 on a machine that keeps up.
   uint32_t repeated_requests() const { return repeated_; }
-  uint64_t ticks() const { return ticks_; }
+  uint64_t ticks() const override { return ticks_; }
   const hal::ServoCommand& command() const { return command_; }
 
  private:

@@ -29,7 +29,7 @@ MAY_INCLUDE = {
 FREESTANDING = ("shaper/", "hal/", "firmware/")
 FREESTANDING_HEADERS = {"stdint.h", "stddef.h", "limits.h", "float.h"}
 # Headers of the command line's packages, and who may include them.
-PACKAGES = ("CLI/", "coin/", "fmt/", "nlohmann/")
+PACKAGES = ("CLI/", "coin/", "fmt/", "modbus/", "nlohmann/")
 PACKAGE_USERS = ("sim/cli/", "sim/least_ticks", "sim/optimal_train", "tests/")
 INCLUDE = re.compile(r"^\s*#\s*include\b\s*(.*)")
 

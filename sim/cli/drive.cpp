@@ -1,0 +1,242 @@
+// SPDX-License-Identifier: Apache-2.0
+// `stillpoint drive PORT ...`: a drive over its serial port, a chip's or an emulated one's.
+#include <fmt/format.h>
+
+#include <memory>
+
+#include "firmware/state_machine.hpp"
+#include "sim/cli/chip_client.hpp"
+#include "sim/cli/command.hpp"
+#include "sim/cli/drive_files.hpp"
+#include "sim/cli/drive_registers.hpp"
+#include "sim/cli/json.hpp"
+#include "sim/cli/modbus_port.hpp"
+#include "sim/cli/table.hpp"
+#include "sim/refusal.hpp"
+#include "sim/text.hpp"
+
+namespace stillpoint::cli {
+namespace {
+
+using firmware::address_of;
+using firmware::Register;
+
+struct DriveOptions {
+  std::string port;
+  std::string verb;
+  std::vector<std::string> arguments;
+  std::string unit = "1";
+  std::string baud = "115200";
+  std::string parity = "even";
+  std::string target;
+  std::string by;
+};
+
+constexpr char kVerbs[] = "status enable disable halt stop reset move get set save export import";
+
+struct Call {
+  const DriveOptions& options;
+  const Output& output;
+  sim::RegisterPort& port;
+
+  uint16_t read(Register name) const { return port.read(address_of(name), 1)[0]; }
+  int64_t value(Register name) const {
+    return read_parameter(port, firmware::kParameters[firmware::find_parameter(address_of(name))]);
+  }
+  void control(uint16_t word) const { port.write(address_of(Register::kControlword), word); }
+
+  const std::string& argument(size_t index, const char* what) const {
+    if (index < options.arguments.size()) return options.arguments[index];
+    throw sim::bad_argument("argument", "missing", fmt::format("`{}` needs {}", options.verb, what));
+  }
+};
+
+const char* state_name(uint16_t statusword) {
+  switch (statusword & 0x6F) {
+    case 0x21: return "ready to switch on";
+    case 0x23: return "switched on";
+    case 0x27: return "operation enabled";
+    case 0x07: return "quick stop active";
+    default: break;
+  }
+  switch (statusword & 0x4F) {
+    case 0x40: return "switch on disabled";
+    case 0x0F: return "fault reaction active";
+    case 0x08: return "fault";
+    default: return "not ready to switch on";
+  }
+}
+
+int show_status(const Call& call) {
+  const uint16_t statusword = call.read(Register::kStatusword);
+  const Json object = {
+      {"result", "ok"},
+      {"state", state_name(statusword)},
+      {"statusword", statusword},
+      {"target_reached", (statusword & firmware::kStatusTargetReached) != 0},
+      {"error_code", call.read(Register::kErrorCode)},
+      {"warnings", call.read(Register::kWarnings)},
+      {"mode", call.value(Register::kModeDisplay)},
+      {"position_counts", call.value(Register::kActualPosition)},
+      {"demand_counts", call.value(Register::kDemandAfterShaping)},
+      {"following_error_counts", call.value(Register::kFollowingError)},
+      {"velocity_counts_per_s", call.value(Register::kActualVelocity)},
+      {"shaper_state", call.read(Register::kShaperState)},
+      {"shaper_delay_us", call.value(Register::kActiveDelayUs)},
+      {"uptime_ms", call.value(Register::kUptimeMs)},
+  };
+  if (call.output.json) {
+    print_json(object);
+    return 0;
+  }
+  Table table({"", "value"});
+  for (const auto& [name, value] : object.items()) {
+    if (name != "result") table.row({name, value.is_string() ? value.get<std::string>() : value.dump()});
+  }
+  table.print();
+  return 0;
+}
+
+int show_values(const Call& call, const std::vector<std::string>& names) {
+  Json values = {{"result", "ok"}};
+  Table table({"register", "value", "unit"});
+  for (const std::string& name : names) {
+    const firmware::Parameter& parameter = parameter_named(name);
+    const int64_t value = read_parameter(call.port, parameter);
+    values[name_of(parameter)] = value;
+    table.row({name_of(parameter), std::to_string(value), parameter.unit});
+  }
+  if (call.output.json) {
+    print_json(values);
+  } else {
+    table.print();
+  }
+  return 0;
+}
+
+int set_value(const Call& call) {
+  const firmware::Parameter& parameter = parameter_named(call.argument(0, "a register and a value"));
+  const int64_t value = sim::parse_integer(call.argument(1, "a value"), name_of(parameter), INT32_MIN, UINT32_MAX);
+  if (parameter.lock == firmware::Lock::kNeedsKey) unlock(call.port);
+  write_parameter(call.port, parameter, value);
+  return parameter.readable() ? show_values(call, {call.options.arguments[0]}) : 0;
+}
+
+// The word that asks for operation enabled; what it was asked for before, bit 4 above all, is not repeated.
+constexpr uint16_t kEnabled = 0x0F;
+
+int move(const Call& call) {
+  const bool relative = !call.options.by.empty();
+  if (relative == !call.options.target.empty())
+    throw sim::bad_argument("--target", "missing", "`move` needs one of --target and --by, in counts");
+  const std::string& text = relative ? call.options.by : call.options.target;
+  const int64_t counts = sim::parse_integer(text, relative ? "--by" : "--target", INT32_MIN, INT32_MAX);
+  ChipClient client(call.port);
+  if ((call.read(Register::kStatusword) & 0x6F) != 0x27) client.enable();
+  call.port.write32(address_of(Register::kTargetPosition), static_cast<uint32_t>(counts));
+  const MoveReport report = client.start(relative);
+  client.wait(
+      "the target reached", [&] { return (call.read(Register::kStatusword) & firmware::kStatusTargetReached) != 0; },
+      ChipClient::kPatienceTicks + report.total_ticks);
+  const Json object = {{"result", "ok"},
+                       {"profile_ticks", report.profile_ticks},
+                       {"total_ticks", report.total_ticks},
+                       {"zero_delay_met", report.zero_delay_met},
+                       {"position_counts", call.value(Register::kActualPosition)}};
+  if (call.output.json) {
+    print_json(object);
+  } else {
+    fmt::print("at {} counts after {} ms, {} of them the profile's\n", object["position_counts"].get<int64_t>(),
+               report.total_ticks, report.profile_ticks);
+  }
+  return 0;
+}
+
+// Off; then what the loss of torque ends, a fault too, is over.
+void disable(const Call& call) { call.control(0x00); }
+
+void reset_fault(const Call& call) {
+  call.control(0x00);
+  call.control(firmware::kControlFaultReset);
+  call.control(0x00);
+}
+
+void save(const Call& call) {
+  unlock(call.port);
+  write_parameter(call.port, parameter_named("0014"), static_cast<int64_t>(firmware::CommandKey::kSave));
+  ChipClient client(call.port);
+  client.wait("the settings saved", [&] {
+    const auto result = static_cast<firmware::CommandResult>(call.read(Register::kCommandResult));
+    if (result == firmware::CommandResult::kFailed) client.refuse_with_reason();
+    return result != firmware::CommandResult::kBusy;
+  });
+}
+
+int command(const Call& call) {
+  const std::string& verb = call.options.verb;
+  if (verb == "status") return show_status(call);
+  if (verb == "get") return call.argument(0, "a register"), show_values(call, call.options.arguments);
+  if (verb == "set") return set_value(call);
+  if (verb == "move") return move(call);
+  if (verb == "export") {
+    const Json object = exported(call.port);
+    if (call.options.arguments.empty()) return print_json(object), 0;
+    write_json_file(call.options.arguments[0], object);
+  } else if (verb == "import") {
+    import_settings(call.port, read_json_file(call.argument(0, "a file")));
+  } else if (verb == "enable") {
+    ChipClient(call.port).enable();
+  } else if (verb == "disable") {
+    disable(call);
+  } else if (verb == "halt") {
+    call.control(kEnabled | firmware::kControlHalt);
+  } else if (verb == "stop") {
+    call.control(0x02);
+  } else if (verb == "reset") {
+    reset_fault(call);
+  } else if (verb == "save") {
+    save(call);
+  } else {
+    throw sim::bad_argument("drive", verb, fmt::format("not known, accepted: {}", kVerbs));
+  }
+  return show_status(call);
+}
+
+char parity_of(const std::string& text) {
+  if (text == "none") return 'N';
+  if (text == "even") return 'E';
+  if (text == "odd") return 'O';
+  throw sim::bad_argument("--parity", text, "not known, accepted: none even odd");
+}
+
+int run(const DriveOptions& options, const Output& output) {
+  if (options.port.empty()) throw sim::bad_argument("PORT", "missing", "`drive PORT VERB` is accepted");
+  if (options.verb.empty()) throw sim::bad_argument("drive", "missing", fmt::format("accepted: {}", kVerbs));
+  SerialSettings settings;
+  settings.device = options.port;
+  settings.baud = static_cast<int>(sim::parse_integer(options.baud, "--baud", 1200, 4000000));
+  settings.unit = static_cast<int>(sim::parse_integer(options.unit, "--unit", 1, 247));
+  settings.parity = parity_of(options.parity);
+  ModbusPort port(settings);
+  return command({options, output, port});
+}
+
+}  // namespace
+
+void add_drive(Commands& commands, Output& output) {
+  const auto options = std::make_shared<DriveOptions>();
+  CLI::App& app = commands.add("drive", "Speaks Modbus RTU with a drive: a chip, or `emulate`.",
+                               [options, &output] { return run(*options, output); });
+  app.add_option("PORT", options->port, "the serial port")->option_text(" ");
+  app.add_option("VERB", options->verb, std::string("one of: ") + kVerbs)->option_text(" ");
+  app.add_option("ARGUMENTS", options->arguments, "get REGISTER..., set REGISTER VALUE, export [FILE], import FILE")
+      ->option_text(" ");
+  add_value(app, "--unit", options->unit, "N", "the drive's address");
+  add_value(app, "--baud", options->baud, "N", "bits a second");
+  add_value(app, "--parity", options->parity, "none|even|odd", "of the port; a pseudo-terminal has none");
+  add_value(app, "--target", options->target, "COUNTS", "move: where to");
+  add_value(app, "--by", options->by, "COUNTS", "move: how far from the target in force");
+  add_json(app, output);
+}
+
+}  // namespace stillpoint::cli

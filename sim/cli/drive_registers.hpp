@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+// The drive's parameters by name, over a port.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "firmware/parameters.hpp"
+#include "sim/hil/register_port.hpp"
+
+namespace stillpoint::cli {
+
+// "profile-velocity", "mode-0-frequency": what the table calls it, in small letters and without what is in brackets or
+// behind a colon; where two would be called the same, its address follows.
+std::string name_of(const firmware::Parameter& parameter);
+
+// By that name, or by its address in four hexadecimal digits. Throws a Refusal.
+const firmware::Parameter& parameter_named(const std::string& name);
+
+// As the type has it: signed where that is.
+int64_t read_parameter(sim::RegisterPort& port, const firmware::Parameter& parameter);
+
+// Refuses what the type cannot hold before it is sent, and repeats what the drive says where it refuses.
+void write_parameter(sim::RegisterPort& port, const firmware::Parameter& parameter, int64_t value);
+
+// Unlocks what needs the key, for a minute.
+void unlock(sim::RegisterPort& port);
+
+// What a client sets once, as against what it commands: everything that is written to the drive and kept.
+bool is_setting(const firmware::Parameter& parameter);
+
+}  // namespace stillpoint::cli

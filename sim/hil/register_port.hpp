@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+namespace stillpoint::sim {
+
+// The registers of a drive, however they are reached. All of it throws a Refusal: `client_silent` where no answer
+// comes, `client_refused` for an exception.
+class RegisterPort {
+ public:
+  virtual ~RegisterPort() = default;
+
+  // 1 to 125 registers.
+  virtual std::vector<uint16_t> read(uint16_t address, uint16_t count) = 0;
+  // 1 to 123 registers; one by itself goes out as a single write.
+  virtual void write(uint16_t address, const std::vector<uint16_t>& values) = 0;
+  // The drive's milliseconds, near enough to give up by.
+  virtual uint64_t ticks() const = 0;
+
+  uint32_t read32(uint16_t address) {
+    const std::vector<uint16_t> words = read(address, 2);
+    return static_cast<uint32_t>(words[0]) << 16 | words[1];
+  }
+  void write(uint16_t address, uint16_t value) { write(address, std::vector<uint16_t>{value}); }
+  void write32(uint16_t address, uint32_t value) {
+    write(address, std::vector<uint16_t>{static_cast<uint16_t>(value >> 16), static_cast<uint16_t>(value)});
+  }
+};
+
+}  // namespace stillpoint::sim

@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: Apache-2.0
+// `stillpoint drive` against `stillpoint emulate`, over a serial port as a person would.
+#include <chrono>
+#include <csignal>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <thread>
+
+#include "tests/sim/cli_checks.hpp"
+
+using stillpoint::testing::check_keys;
+using stillpoint::testing::check_refused;
+using stillpoint::testing::Json;
+using stillpoint::testing::json_of;
+using stillpoint::testing::Outcome;
+using stillpoint::testing::read_text;
+using stillpoint::testing::run_program;
+using stillpoint::testing::scratch_file;
+
+namespace {
+
+// The firmware on this host behind a serial port, for as long as this lives, and a minute at most.
+class Emulated {
+ public:
+  explicit Emulated(const std::string& options = "") : port_(scratch_file("port")) {
+    const std::string pid = scratch_file("emulate.pid");
+    const std::string command = std::string(STILLPOINT_PROGRAM) + " emulate --seconds 60 --link " + port_ + " " +
+                                options + " > " + scratch_file("emulate.log") + " 2>&1 & echo $! > " + pid;
+    TEST_ASSERT_EQUAL_INT32(0, std::system(command.c_str()));
+    std::ifstream(pid) >> pid_;
+    for (int i = 0; i < 500 && !std::filesystem::exists(port_); ++i)
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    TEST_ASSERT_TRUE(std::filesystem::exists(port_));
+  }
+  ~Emulated() { end(); }
+  Emulated(const Emulated&) = delete;
+  Emulated& operator=(const Emulated&) = delete;
+
+  void end() {
+    if (pid_ > 0) ::kill(pid_, SIGTERM);
+    pid_ = 0;
+    for (int i = 0; i < 500 && std::filesystem::exists(port_); ++i)
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  std::string drive(const std::string& what) const { return "drive " + port_ + " " + what + " --parity none"; }
+
+ private:
+  std::string port_;
+  int pid_ = 0;
+};
+
+TEST(a_drive_is_enabled_moved_stopped_and_switched_off) {
+  const Emulated emulated;
+  const Json before = json_of(emulated.drive("status"));
+  check_keys(before,
+             {"state", "statusword", "error_code", "position_counts", "following_error_counts", "mode", "uptime_ms"});
+  TEST_ASSERT_TRUE(before["state"] == "switch on disabled");
+  TEST_ASSERT_TRUE(json_of(emulated.drive("enable"))["state"] == "operation enabled");
+  const Json there = json_of(emulated.drive("move --target 200000"));
+  TEST_ASSERT_TRUE(there["position_counts"] == 200000);
+  TEST_ASSERT_TRUE(json_of(emulated.drive("move --by=-50000"))["position_counts"] == 150000);
+  TEST_ASSERT_TRUE(json_of(emulated.drive("status"))["target_reached"] == true);
+  TEST_ASSERT_TRUE(json_of(emulated.drive("disable"))["state"] == "switch on disabled");
+}
+
+TEST(registers_are_read_and_written_by_name_and_by_address) {
+  const Emulated emulated;
+  TEST_ASSERT_TRUE(json_of(emulated.drive("set profile-velocity 900000"))["profile-velocity"] == 900000);
+  const Json both = json_of(emulated.drive("get 0060 word-order-probe"));
+  TEST_ASSERT_TRUE(both["profile-velocity"] == 900000);
+  TEST_ASSERT_TRUE(both["word-order-probe"] == 0x12345678);
+  TEST_ASSERT_TRUE(json_of(emulated.drive("set maximum-velocity 800000"))["maximum-velocity"] == 800000);
+  TEST_ASSERT_TRUE(json_of(emulated.drive("get profile-velocity"))["profile-velocity"] == 800000);
+  check_refused(1, "drive: register 0060h: ", emulated.drive("set profile-velocity 900000"));
+  check_refused(2, "register: velocidad: not known", emulated.drive("get velocidad"));
+  check_refused(2, "position-window-time: 65536: outside the register",
+                emulated.drive("set position-window-time 65536"));
+  check_refused(2, "drive: dance: not known, accepted: status", emulated.drive("dance"));
+  check_refused(2, "argument: missing: `set` needs", emulated.drive("set"));
+  check_refused(2, "--target: missing", emulated.drive("move"));
+}
+
+TEST(settings_go_into_a_file_and_into_another_drive) {
+  const std::string file = scratch_file("settings.json");
+  Json exported;
+  {
+    const Emulated emulated;
+    json_of(emulated.drive("set maximum-velocity 3000000"));
+    json_of(emulated.drive("set soft-limit-low -70000"));
+    json_of(emulated.drive("set soft-limit-high 5000000"));
+    json_of(emulated.drive("set mode-0-frequency 110000"));
+    json_of(emulated.drive("set shaper-set 5"));
+    json_of(emulated.drive("set mode-0-damping-ratio 1234"));
+    json_of(emulated.drive("export " + file));
+    exported = Json::parse(read_text(file));
+    TEST_ASSERT_TRUE(exported["settings"]["soft-limit-low"] == -70000);
+    TEST_ASSERT_TRUE(exported["shaper_sets"].size() == 8);
+    TEST_ASSERT_TRUE(exported["shaper_sets"][0]["mode-0-frequency"] == 110000);
+    TEST_ASSERT_TRUE(exported["shaper_sets"][5]["mode-0-damping-ratio"] == 1234);
+    TEST_ASSERT_TRUE(json_of(emulated.drive("get shaper-set"))["shaper-set"] == 5);
+  }
+  const Emulated other;
+  TEST_ASSERT_TRUE(Json::parse(run_program(other.drive("export")).output) != exported);
+  json_of(other.drive("import " + file));
+  TEST_ASSERT_TRUE(Json::parse(run_program(other.drive("export")).output) == exported);
+
+  std::ofstream(scratch_file("bad.json")) << R"({"settings": {"gravity": 10}, "shaper_sets": []})";
+  check_refused(2, "register: gravity: not known", other.drive("import " + scratch_file("bad.json")));
+  std::ofstream(scratch_file("bad.json")) << R"({"settings": {"statusword": 1}, "shaper_sets": []})";
+  check_refused(2, "setting: statusword: not one of these", other.drive("import " + scratch_file("bad.json")));
+  std::ofstream(scratch_file("bad.json")) << R"({"settings": {"jerk": 1.5}, "shaper_sets": []})";
+  check_refused(2, "jerk: 1.5: not a whole number", other.drive("import " + scratch_file("bad.json")));
+  check_refused(2, "file: ", other.drive("import " + scratch_file("none.json")));
+}
+
+TEST(a_port_that_is_none_or_silent_is_refused_by_name) {
+  check_refused(2, "PORT: /nowhere: cannot be opened", "drive /nowhere status");
+  check_refused(2, "PORT: missing", "drive");
+  check_refused(2, "--parity: maybe: not known", "drive /nowhere status --parity maybe");
+  const Emulated emulated;
+  check_refused(1, "register: 0041h: no answer", emulated.drive("status --unit 9"));
+}
+
+}  // namespace
