@@ -9,6 +9,7 @@ packages_for() {
     arm) echo gcc-arm-none-eabi binutils-arm-none-eabi qemu-system-arm python3 ;;  # firmware, its tests in the emulator
     riscv) echo gcc-riscv64-unknown-elf ;;
     cli) echo libcli11-dev nlohmann-json3-dev libfmt-dev coinor-libclp-dev libmodbus-dev gnuplot-nox ;;  # the command line
+    clients) echo mbpoll python3 python3-pymodbus python3-serial-asyncio ;;  # other people's, for tests
     lint) echo clang-format clang-tidy cppcheck python3 ;;
     bench) echo libbenchmark-dev ;;
     *) echo "packages.sh: no packages for: $1" >&2 && return 1 ;;

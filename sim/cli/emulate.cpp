@@ -124,6 +124,9 @@ int run(const EmulateOptions& options) {
   } else {
     steps = std::make_unique<ChipSteps>(options.elf, drive, client);
   }
+  // The port is shown once the drive hears what comes in.
+  constexpr int kStepsToBoot = 100;
+  for (int i = 0; i < kStepsToBoot; ++i) steps->step();
   const Link link(options.link, client.path());
   std::signal(SIGINT, end_politely);
   std::signal(SIGTERM, end_politely);

@@ -1,0 +1,227 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: Apache-2.0
+"""The chip's image in the emulator, driven by the Modbus clients that Debian has: mbpoll, libmodbus (in `stillpoint
+drive`) and pymodbus, one after the other, over one serial port.
+
+usage: clients.py STILLPOINT ELF
+"""
+import contextlib
+import json
+import pathlib
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+
+from pymodbus.client import ModbusSerialClient
+from pymodbus.exceptions import ModbusIOException
+
+PROGRAM, ELF = sys.argv[1], sys.argv[2]
+UNIT = 1
+CONTROLWORD, STATUSWORD, MODE, TARGET, POSITION, DEMAND = 0x40, 0x41, 0x42, 0x44, 0x46, 0x4A
+ENABLED, STANDS = 0x27, 1 << 10
+# On a loaded host the chip's millisecond runs ahead of the bytes that the emulator hands over, so that it sees silence
+# inside a request and drops it, as on a bad line. A client asks again; nothing here is the worse for being said twice.
+ATTEMPTS = 8
+
+
+def check(what, expected, actual):
+    if expected != actual:
+        sys.exit(f"error: {what}: expected {expected}, got {actual}")
+
+
+def until(what, condition, seconds=30.0):
+    end = time.monotonic() + seconds
+    while not condition():
+        if time.monotonic() > end:
+            sys.exit(f"error: {what}: not within {seconds} s")
+
+
+@contextlib.contextmanager
+def emulated(port, *options):
+    chip = subprocess.Popen([PROGRAM, "emulate", "--elf", ELF, "--link", port, "--seconds", "300", *options],
+                            stdout=subprocess.PIPE, text=True)
+    try:
+        check("the port", port, chip.stdout.readline().strip())
+        yield
+    finally:
+        chip.send_signal(signal.SIGTERM)
+        chip.wait(10)
+
+
+class Mbpoll:
+    """Reads and writes holding registers, address counted from 0, each call a process of its own."""
+
+    def __init__(self, port):
+        self.port = port
+
+    def run(self, *arguments):
+        command = ["mbpoll", "-m", "rtu", "-a", str(UNIT), "-b", "115200", "-P", "none", "-0", "-B", "-1", "-q", "-o", "2",
+                   *arguments]
+        for _ in range(ATTEMPTS):
+            answer = subprocess.run(command, capture_output=True, text=True, timeout=60, check=False)
+            if answer.returncode == 0:
+                break
+        return answer
+
+    def read(self, address, count=1):
+        answer = self.run("-t", "4:hex", "-r", str(address), "-c", str(count), self.port)
+        check(f"mbpoll's exit reading {address:04X}h ({answer.stderr.strip()})", 0, answer.returncode)
+        return [int(line.split("0x")[1], 16) for line in answer.stdout.splitlines() if line.startswith("[")]
+
+    def write(self, address, *values):
+        answer = self.run("-t", "4", "-r", str(address), self.port, *(str(value) for value in values))
+        check(f"mbpoll's exit writing {address:04X}h ({answer.stderr.strip()})", 0, answer.returncode)
+
+
+class Pymodbus:
+    def __init__(self, port):
+        self.client = ModbusSerialClient(port=port, baudrate=115200, parity="N", timeout=1)
+        check("pymodbus's connection", True, self.client.connect())
+
+    def ask(self, what, request):
+        for _ in range(ATTEMPTS):
+            answer = request()
+            if not isinstance(answer, ModbusIOException):
+                break
+        check(f"pymodbus {what} ({answer})", False, answer.isError())
+        return answer
+
+    def read(self, address, count=1):
+        return self.ask(f"reading {address:04X}h",
+                        lambda: self.client.read_holding_registers(address, count, slave=UNIT)).registers
+
+    def write(self, address, *values):
+        one = len(values) == 1
+        self.ask(f"writing {address:04X}h", lambda: self.client.write_register(address, values[0], slave=UNIT) if one
+                 else self.client.write_registers(address, list(values), slave=UNIT))
+
+    def close(self):
+        self.client.close()
+
+
+class Libmodbus:
+    def __init__(self, port):
+        self.port = port
+
+    def drive(self, *arguments):
+        answer = subprocess.run([PROGRAM, "drive", self.port, *arguments, "--parity", "none", "--json"],
+                                capture_output=True, text=True, timeout=120, check=False)
+        check(f"drive {' '.join(arguments)} ({answer.stderr.strip()})", 0, answer.returncode)
+        return json.loads(answer.stdout)
+
+
+def words(value):
+    return value >> 16 & 0xFFFF, value & 0xFFFF
+
+
+def wide(client, address):
+    high, low = client.read(address, 2)
+    value = high << 16 | low
+    return value - (1 << 32) if value >= 1 << 31 else value
+
+
+def state(client):
+    return client.read(STATUSWORD)[0] & 0x6F
+
+
+def enable(client):
+    for word in (0x06, 0x07, 0x0F):
+        client.write(CONTROLWORD, word)
+    until("operation enabled", lambda: state(client) == ENABLED)
+
+
+def move(client, target, wait=True):
+    client.write(TARGET, *words(target))
+    client.write(CONTROLWORD, 0x1F)
+    until("the set-point taken", lambda: client.read(STATUSWORD)[0] & 1 << 12)
+    client.write(CONTROLWORD, 0x0F)
+    if wait:
+        until("the target reached", lambda: client.read(STATUSWORD)[0] & STANDS)
+        check("the position", target, wide(client, POSITION))
+
+
+def who_it_is(client):
+    check("map version, product", [0x0100, 0x5350], client.read(0x0000, 2))
+    check("the word-order probe", [0x1234, 0x5678], client.read(0x0006, 2))
+
+
+def homes(client):
+    client.write(MODE, 6)
+    until("the mode", lambda: client.read(MODE + 1) == [6])
+    client.write(CONTROLWORD, 0x1F)
+    until("home", lambda: client.read(STATUSWORD)[0] & 1 << 12)
+    check("the position at home", 0, wide(client, POSITION))
+    client.write(CONTROLWORD, 0x0F)
+    client.write(MODE, 1)
+    until("the mode", lambda: client.read(MODE + 1) == [1])
+
+
+def halts_and_stops(client):
+    move(client, 3000000, wait=False)
+    client.write(CONTROLWORD, 0x10F)
+    until("the halt", lambda: client.read(STATUSWORD)[0] & STANDS)
+    halted = wide(client, DEMAND)
+    client.write(CONTROLWORD, 0x0F)
+    check("enabled after the halt", ENABLED, state(client))
+    check("standing after the halt", halted, wide(client, DEMAND))
+    move(client, -3000000, wait=False)
+    client.write(CONTROLWORD, 0x02)
+    until("switched off by the quick stop", lambda: client.read(STATUSWORD)[0] & 0x4F == 0x40)
+    enable(client)
+
+
+# The drive's watch over its client is provoked by saying nothing.
+def faults_and_recovers(client):
+    client.write(0x0014, 0x554E)
+    client.write(0x0023, 300)
+    enable(client)
+    time.sleep(8)  # a millisecond of the emulated chip takes four of these, more on a loaded host
+    until("the fault", lambda: client.read(0x0010) == [0x8100])
+    check("the state", 0x08, client.read(STATUSWORD)[0] & 0x4F)
+    check("the history", [0x8100, 1], client.read(0x0500, 2))
+    client.write(0x0014, 0x554E)
+    client.write(0x0023, 0)
+    client.write(CONTROLWORD, 0x00)
+    client.write(CONTROLWORD, 0x80)
+    until("the reset", lambda: client.read(0x0010) == [0])
+    enable(client)
+
+
+def shapes(client):
+    client.write(0x0102, *words(110000), 11000, 0, 1, 0)  # ZV, 11 Hz, 0.11
+    client.write(0x0100, 1)
+    client.write(0x0130, 1)
+    until("the shaper in force", lambda: client.read(0x0131) == [1])
+    delay_us = wide(client, 0x0134)
+    if not 15000 < delay_us < 25000:
+        sys.exit(f"error: the shaper's delay: {delay_us} us")
+
+
+def main():
+    with tempfile.TemporaryDirectory() as folder:
+        port = str(pathlib.Path(folder) / "port")
+        with emulated(port):
+            mbpoll, libmodbus = Mbpoll(port), Libmodbus(port)
+            who_it_is(mbpoll)
+            check("libmodbus's state", "operation enabled", libmodbus.drive("enable")["state"])
+            move(mbpoll, 70000)
+            homes(mbpoll)
+            check("libmodbus's move", 500000, libmodbus.drive("move", "--target", "500000")["position_counts"])
+            pymodbus = Pymodbus(port)
+            who_it_is(pymodbus)
+            move(pymodbus, -200000)
+            halts_and_stops(pymodbus)
+            faults_and_recovers(pymodbus)
+            shapes(pymodbus)
+            move(pymodbus, 0)
+            pymodbus.close()
+            halts_and_stops(mbpoll)
+            exported = libmodbus.drive("export")
+            check("the mode exported", 110000, exported["shaper_sets"][0]["mode-0-frequency"])
+            check("switched off", "switch on disabled", libmodbus.drive("disable")["state"])
+    print("mbpoll, libmodbus and pymodbus have driven the chip's image")
+
+
+main()
