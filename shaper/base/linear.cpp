@@ -19,7 +19,7 @@ struct Rows {
     for (size_t i = 0; i < size; ++i) {
       double* const row = (*this)[i];
       double largest = 0.0;
-      for (size_t k = 0; k < size; ++k) largest = math::abs(row[k]) > largest ? math::abs(row[k]) : largest;
+      for (size_t k = 0; k < size; ++k) largest = math::magnitude(row[k]) > largest ? math::magnitude(row[k]) : largest;
       if (!(largest > 0.0) || !math::is_finite(largest)) return false;
       for (size_t k = 0; k < stride; ++k) row[k] /= largest;
     }
@@ -53,9 +53,9 @@ bool solve_rows(double* rows, size_t stride, size_t size, double* solution) {
   for (size_t column = 0; column < size; ++column) {
     size_t best = column;
     for (size_t i = column + 1; i < size; ++i) {
-      if (math::abs(row[i][column]) > math::abs(row[best][column])) best = i;
+      if (math::magnitude(row[i][column]) > math::magnitude(row[best][column])) best = i;
     }
-    if (!(math::abs(row[best][column]) > 1e-13)) return false;
+    if (!(math::magnitude(row[best][column]) > 1e-13)) return false;
     row.swap(best, column);
     for (size_t i = column + 1; i < size; ++i) row.eliminate(i, column);
   }
