@@ -68,7 +68,8 @@ Status AxisCore::find_target(const Move& move, const Differences& start, Signal 
   }
   constexpr double kLongest = kMaxPositionCounts;
   const double distance = counts - to_double(start.difference[0], kTrackFractionBits);
-  if (math::abs(distance) > kLongest) return refuse(Error::kAboveMaximum, Quantity::kDistance, distance, kLongest);
+  if (math::magnitude(distance) > kLongest)
+    return refuse(Error::kAboveMaximum, Quantity::kDistance, distance, kLongest);
   target = signal_from_counts(counts);
   return kOk;
 }

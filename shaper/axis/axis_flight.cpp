@@ -49,7 +49,7 @@ struct Release {
 // Whether it does; `jerk` is the one that counts first.
 bool too_late(const StartMotion& start, const AxisLimits& limits, double& jerk) {
   const double square = math::square(start.acceleration);
-  const double speed = math::abs(start.velocity);
+  const double speed = math::magnitude(start.velocity);
   jerk = limits.jerk;
   if (start.velocity * start.acceleration >= 0.0) return speed + square / (2.0 * jerk) > limits.velocity;
   jerk = limits.braking_jerk();
@@ -63,7 +63,7 @@ Release release_of(const StartMotion& start, const AxisLimits& limits, double je
   double by_limits = 0.0;
   if (!too_late(start, limits, by_limits) || jerk <= by_limits) return Release{0.0, 0.0, start, 0.0};
   const double shortest = kShortestTicks * tick_s;
-  const double time = math::abs(a) > jerk * shortest ? math::abs(a) / jerk : shortest;
+  const double time = math::magnitude(a) > jerk * shortest ? math::magnitude(a) / jerk : shortest;
   const double signed_jerk = -a / time;
   return Release{time / tick_s, signed_jerk, StartMotion{start.velocity + a * time / 2.0, 0.0},
                  time * (start.velocity + time * (a / 2.0 + time * signed_jerk / 6.0))};
@@ -228,7 +228,7 @@ Status AxisCore::plan_to_target(const Move& move, Signal zero, Course& course) c
 Status AxisCore::plan_to_cruise(const Flight& flight, Course& course) const {
   const double velocity = flight.velocity;
   AxisLimits limits = planned_limits(flight.move);
-  if (math::abs(velocity) > limits.velocity)
+  if (math::magnitude(velocity) > limits.velocity)
     return refuse(Error::kAboveMaximum, Quantity::kVelocity, velocity, limits.velocity);
   const StartMotion start = motion_of(course.start, config_.tick_s);
   const Release release = release_of(start, limits, course.release_jerk, config_.tick_s);
@@ -242,7 +242,7 @@ Status AxisCore::plan_to_cruise(const Flight& flight, Course& course) const {
     const double from = counts_of(course.start.difference[0]);
     if (up ? from >= limit : from <= limit)
       return refuse(up ? Error::kAboveMaximum : Error::kBelowMinimum, Quantity::kPosition, from, limit);
-    limits.velocity = math::abs(velocity);
+    limits.velocity = math::magnitude(velocity);
     status = plan_from(release.after, limit - from - release.distance, limits, config_.tick_s, course.plan);
     return status.ok() ? prepend(release, start, config_.tick_s, course.plan) : status;
   }
@@ -256,7 +256,7 @@ Status AxisCore::plan_to_cruise(const Flight& flight, Course& course) const {
 // A shaper tells two samples apart that are less than half the range apart.
 Status AxisCore::check_wrap(double velocity) const {
   const double most = kMaxPositionCounts / (config_.tick_s * (running().length_ticks() + 1.0));
-  return math::abs(velocity) > most ? refuse(Error::kAboveMaximum, Quantity::kVelocity, velocity, most) : kOk;
+  return math::magnitude(velocity) > most ? refuse(Error::kAboveMaximum, Quantity::kVelocity, velocity, most) : kOk;
 }
 
 Status AxisCore::check_extent(const Course& course) const {

@@ -12,9 +12,9 @@ double largest_factor(const ShaperDesign& design) {
   double factor = 1.0;
   for (uint32_t i = 0; i < design.stage_count; ++i) {
     const Tap* taps = design.taps + design.stages[i].first_tap;
-    double largest = math::abs(static_cast<double>(taps[0].gain));
+    double largest = math::magnitude(static_cast<double>(taps[0].gain));
     for (uint32_t k = 1; k + 1 < design.stages[i].tap_count; k += 2) {
-      const double pair = math::abs(static_cast<double>(taps[k].gain) + static_cast<double>(taps[k + 1].gain));
+      const double pair = math::magnitude(static_cast<double>(taps[k].gain) + static_cast<double>(taps[k + 1].gain));
       if (pair > largest) largest = pair;
     }
     factor *= static_cast<double>(kUnityGain) / largest;

@@ -121,7 +121,7 @@ StillLimits scaled(const AxisLimits& limits, double distance, double unit_ticks,
   const double unit = unit_ticks * tick_s;
   const double per_jerk = 1.0 / (limits.jerk * unit);
   return StillLimits{limits.velocity * per_jerk / unit, limits.acceleration * per_jerk, limits.deceleration * per_jerk,
-                     math::abs(distance) * per_jerk / (unit * unit)};
+                     math::magnitude(distance) * per_jerk / (unit * unit)};
 }
 
 Status check_modes(const Mode* modes, size_t mode_count) {

@@ -67,12 +67,12 @@ Complex StillSearch::left_in(size_t mode, const JerkPath& path, Complex* slopes)
 double StillSearch::violation(const JerkSequence& sequence) const {
   const JerkPath path(sequence);
   const Motion end = path.end();
-  double sum = math::abs(end.acceleration) + math::abs(end.velocity) / acceleration_scale_ +
-               math::abs(end.position - limits_.distance) / velocity_scale_;
-  if (cruise_ != 0) sum += math::abs(path.after(cruise_).acceleration);
+  double sum = math::magnitude(end.acceleration) + math::magnitude(end.velocity) / acceleration_scale_ +
+               math::magnitude(end.position - limits_.distance) / velocity_scale_;
+  if (cruise_ != 0) sum += math::magnitude(path.after(cruise_).acceleration);
   for (size_t m = 0; m < mode_count_; ++m) {
     const Complex left = left_in(m, path, nullptr);
-    sum += math::abs(left.re) + math::abs(left.im);
+    sum += math::magnitude(left.re) + math::magnitude(left.im);
   }
   for (size_t k = 0; k < kJerkParts; ++k) {
     double over = 0.0;
@@ -161,7 +161,7 @@ void StillSearch::descend(int steps) {
       continue;
     }
     double longest = 0.0;
-    for (size_t k = 0; k < kJerkParts; ++k) raise(longest, math::abs(next.length[k] - sequence_.length[k]));
+    for (size_t k = 0; k < kJerkParts; ++k) raise(longest, math::magnitude(next.length[k] - sequence_.length[k]));
     if (longest > 0.5 * trust) trust *= 2.0;
     sequence_ = next;
     least = now;

@@ -45,7 +45,7 @@ constexpr double sqrt_in_integers(double x) {
   return from_bits(rounded + (static_cast<uint64_t>((binary.exponent - odd) / 2 + kExponentBias - 1) << kMantissaBits));
 }
 
-// sqrt() as a chip runs it: out of line, for inlined it would be 200 bytes in every file.
+// sqrt() as a chip runs it: out of line, as the other long ones.
 double sqrt_out_of_line(double x);
 
 // The same for every x >= 0; the sign of a zero stays. At run time on an x86-64 by its instruction, whose result is
@@ -70,10 +70,10 @@ inline constexpr double kReciprocalCbrtOfPower[] = {1.0, 0x1.965fea53d6e3dp-1, 0
 // Method: y -> a^(-1/3) from a parabola by one step of order four, no division; then t ~ a y^2 shortened to 26 bits, so
 // that a - t^3 comes out almost exactly, and one step to the root from there: a - t^3 = (root - t)(root^2 + root t +
 // t^2).
-constexpr double cbrt(double x) {
+[[gnu::noinline]] constexpr double cbrt(double x) {
   if (is_nan(x)) return kNan;
   if (x == 0.0 || !is_finite(x)) return x;
-  const Binary binary = binary_of(abs(x));
+  const Binary binary = binary_of(magnitude(x));
   const int third = (binary.exponent + 3 * kExponentBias) / 3 - kExponentBias;
   const int power = binary.exponent - 3 * third;
   const double m = from_bits(binary.fraction + (static_cast<uint64_t>(kExponentBias - 1) << kMantissaBits));
@@ -105,7 +105,7 @@ inline constexpr double kExp[] = {0x1.5555555555521p-3,  0x1.55555555533cp-5,   
 // e^x. Error 0.71 ulp on [-708, 709]; below, where results are subnormal, their last place; infinity above 709.78,
 // zero below -745.13. Cost 14 + 18 + 0.
 // Method: x = k ln 2 + r; polynomial in r; 1 + r summed with its rounding error kept.
-constexpr double exp(double x) {
+[[gnu::noinline]] constexpr double exp(double x) {
   if (is_nan(x)) return kNan;
   if (x > 709.8) return kInfinity;
   if (x < -745.2) return 0.0;
@@ -127,7 +127,7 @@ inline constexpr double kLog[] = {0x1.555555555557fp-1, 0x1.9999999984aa8p-2, 0x
 // Natural logarithm, x > 0, subnormal ones too; ln 0 is minus infinity. Error 0.84 ulp. Cost 13 + 13 + 1.
 // Method: x = 2^k (1 + f); with s = f / (2 + f), ln(1 + f) = 2 s + s R(s^2) = f - (f^2/2 - s (f^2/2 + R)), whose
 // leading term is exact.
-constexpr double log(double x) {
+[[gnu::noinline]] constexpr double log(double x) {
   if (x == 0.0) return -kInfinity;
   if (x == kInfinity) return kInfinity;
   if (!(x > 0.0)) return kNan;

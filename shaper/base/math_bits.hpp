@@ -3,7 +3,8 @@
 // chip without a double-precision unit that is also the cheaper way). IEEE 754 binary64 throughout.
 //
 // Everything here is pure, constexpr, callable from tick and background, and exact. No function returns the NaN it was
-// given: its sign and payload differ between machines, so the answer is always kNan.
+// given: its sign and payload differ between machines, so the answer is always kNan. What is long is kept out of line:
+// inlined it would be a few hundred bytes in every file.
 #pragma once
 
 #include <float.h>
@@ -40,7 +41,7 @@ constexpr double power_of_two(int exponent) {
 constexpr bool is_finite(double value) { return exponent_field(value) != kExponentOnes; }
 constexpr bool is_nan(double value) { return value != value; }
 constexpr double abs(double value) { return is_nan(value) ? kNan : from_bits(bits_of(value) & ~kSignMask); }
-// Of what is not a NaN: one instruction.
+// Of what is not a NaN, or is only compared: one instruction.
 constexpr double magnitude(double value) { return __builtin_fabs(value); }
 constexpr double square(double value) { return value * value; }
 
@@ -50,7 +51,7 @@ constexpr double copysign(double magnitude, double sign) {
 }
 
 // Towards zero. Keeps the sign of a zero; an infinity stays.
-constexpr double trunc(double value) {
+[[gnu::noinline]] constexpr double trunc(double value) {
   if (is_nan(value)) return kNan;
   const int exponent = exponent_field(value) - kExponentBias;
   if (exponent >= kMantissaBits) return value;
@@ -58,24 +59,24 @@ constexpr double trunc(double value) {
   return from_bits(bits_of(value) & ~(kMantissaMask >> exponent));
 }
 
-constexpr double floor(double value) {
+[[gnu::noinline]] constexpr double floor(double value) {
   const double whole = trunc(value);
   return whole > value ? whole - 1.0 : whole;
 }
 
-constexpr double ceil(double value) {
+[[gnu::noinline]] constexpr double ceil(double value) {
   const double whole = trunc(value);
   return whole < value ? whole + 1.0 : whole;
 }
 
 // The nearest integer, halves away from zero. |value| < 2^31 - 1.
-constexpr int32_t nearest_integer(double value) {
+[[gnu::noinline]] constexpr int32_t nearest_integer(double value) {
   return static_cast<int32_t>(value < 0.0 ? value - 0.5 : value + 0.5);
 }
 
 // value * 2^exponent, rounded once (that is: exact, unless the result is subnormal); overflows to an infinity,
 // underflows to a zero of the same sign. Any exponent. Integer work and at most two multiplications by a power of two.
-constexpr double ldexp(double value, int exponent) {
+[[gnu::noinline]] constexpr double ldexp(double value, int exponent) {
   constexpr int kLift = 54;  // makes any subnormal number normal
   constexpr int kReach = DBL_MAX_EXP - DBL_MIN_EXP + 2 * kLift;
   if (is_nan(value)) return kNan;
@@ -99,7 +100,7 @@ struct Binary {
   int exponent;
 };
 
-constexpr Binary binary_of(double value) {
+[[gnu::noinline]] constexpr Binary binary_of(double value) {
   constexpr int kLift = 54;
   const bool subnormal = exponent_field(value) == 0;
   if (subnormal) value *= power_of_two(kLift);
@@ -108,7 +109,7 @@ constexpr Binary binary_of(double value) {
 }
 
 // c[0] + c[1] z + ... + c[count - 1] z^(count - 1), Horner.
-constexpr double horner(const double* c, size_t count, double z) {
+[[gnu::noinline]] constexpr double horner(const double* c, size_t count, double z) {
   double sum = c[count - 1];
   for (size_t i = count - 1; i-- > 0;) sum = sum * z + c[i];
   return sum;

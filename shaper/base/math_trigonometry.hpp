@@ -29,7 +29,7 @@ constexpr ReducedAngle reduce_angle(double x) {
   double part = k * kHalfPi[1];
   double sum = from - part;
   double rest = k * kHalfPi[2];
-  if (abs(sum) < 0x1p-20) {
+  if (magnitude(sum) < 0x1p-20) {
     from = sum;
     part = rest;
     sum = from - part;
@@ -71,15 +71,15 @@ constexpr double sin_of_quadrant(const ReducedAngle& r, int32_t quarters) {
 }
 
 // Sine, |x| <= kLargestAngle rad. Error 0.78 ulp, near multiples of pi too. Cost 14 + 23 + 0.
-constexpr double sin(double x) {
-  if (!(abs(x) <= kLargestAngle)) return kNan;
-  if (abs(x) < 0x1p-27) return x;  // and a zero keeps its sign
+[[gnu::noinline]] constexpr double sin(double x) {
+  if (!(magnitude(x) <= kLargestAngle)) return kNan;
+  if (magnitude(x) < 0x1p-27) return x;  // and a zero keeps its sign
   return sin_of_quadrant(reduce_angle(x), 0);
 }
 
 // Cosine, |x| <= kLargestAngle rad. Error 0.77 ulp, near odd multiples of pi/2 too. Cost 14 + 23 + 0.
-constexpr double cos(double x) {
-  if (!(abs(x) <= kLargestAngle)) return kNan;
+[[gnu::noinline]] constexpr double cos(double x) {
+  if (!(magnitude(x) <= kLargestAngle)) return kNan;
   return sin_of_quadrant(reduce_angle(x), 1);
 }
 
@@ -130,10 +130,10 @@ constexpr ReducedArc reduce_arc(double low, double high) {
 // atan2(-0, -1) = -pi, atan2(0, 0) = 0, and so on. Error 1.51 ulp, where y / x is a little above 1/4, 1/8, ...: the
 // angle is a binade lower, and the rounding of the quotient counts double. Elsewhere 1.3, and 0.7 for negative x.
 // Cost 15 + 13 + 1.
-constexpr double atan2(double y, double x) {
+[[gnu::noinline]] constexpr double atan2(double y, double x) {
   if (is_nan(x) || is_nan(y)) return kNan;
-  const double up = abs(y);
-  const double along = abs(x);
+  const double up = magnitude(y);
+  const double along = magnitude(x);
   const bool steep = up > along;
   const bool backward = (bits_of(x) & kSignMask) != 0;
   double low = steep ? along : up;

@@ -38,7 +38,7 @@ bool is_taken(const DecayModel& model, double angle) {
   for (size_t k = 0; k < model.count; ++k) {
     const double width = 0.7 * model.component[k].decay;
     const double least = 2.0 * kPi;
-    if (math::abs(angle - model.component[k].angle) < (width > least ? width : least)) return true;
+    if (math::magnitude(angle - model.component[k].angle) < (width > least ? width : least)) return true;
   }
   return false;
 }
@@ -47,7 +47,7 @@ bool is_taken(const DecayModel& model, double angle) {
 double rounding_of(const Record& record) {
   double largest = 1e-30;
   for (size_t n = 0; n < record.count; ++n) {
-    const double size = math::abs(static_cast<double>(record.samples[n]));
+    const double size = math::magnitude(static_cast<double>(record.samples[n]));
     largest = size > largest ? size : largest;
   }
   return math::square(0x1p-24 * largest);
@@ -55,7 +55,7 @@ double rounding_of(const Record& record) {
 
 bool is_refused(const Refused& refused, double angle) {
   for (size_t i = 0; i < refused.count; ++i) {
-    if (math::abs(angle - refused.angle[i]) < 3.0 * kPi) return true;
+    if (math::magnitude(angle - refused.angle[i]) < 3.0 * kPi) return true;
   }
   return false;
 }

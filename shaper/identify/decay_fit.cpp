@@ -15,7 +15,7 @@ double bounded(double value, double low, double high) { return value < low ? low
 
 // As far as the linearisation may be trusted: a third of a period over the record, or a part of a fast decay.
 double furthest(const Component& component) {
-  const double decay = math::abs(component.decay);
+  const double decay = math::magnitude(component.decay);
   return decay > 4.0 ? 0.5 * decay : 2.0;
 }
 

@@ -37,14 +37,14 @@ struct Spectrum {
 double energy_of(const Component& component, size_t count) {
   const double square = math::square(component.cosine) + math::square(component.sine);
   const double twice = 2.0 * component.decay;
-  const double mean = math::abs(twice) < 1e-6 ? 1.0 : (1.0 - math::exp(-twice)) / twice;
+  const double mean = math::magnitude(twice) < 1e-6 ? 1.0 : (1.0 - math::exp(-twice)) / twice;
   return 0.5 * square * static_cast<double>(count) * mean;
 }
 
 ComponentDoubt doubt_of(const Spectrum& left, const DecayFit& fit, const DecayModel& model, size_t k) {
   const Component& component = model.component[k];
   const double bin = component.angle / (2.0 * kPi);
-  const double width = math::abs(component.decay) / (2.0 * kPi);
+  const double width = math::magnitude(component.decay) / (2.0 * kPi);
   size_t bins = 0, bins_under = 0;
   const double beside = left.mean(bin, kBeside + width, bins);
   const double under = left.mean(bin, kUnder + width, bins_under);
@@ -66,9 +66,9 @@ ComponentDoubt doubt_of(const Spectrum& left, const DecayFit& fit, const DecayMo
 
 // Two modes nearer than this are one that does not decay as a mode does.
 bool are_apart(const Component& a, const Component& b) {
-  const double widths = 2.0 * (math::abs(a.decay) + math::abs(b.decay));
+  const double widths = 2.0 * (math::magnitude(a.decay) + math::magnitude(b.decay));
   const double least = 4.0 * kPi;
-  return math::abs(a.angle - b.angle) > 0.8 * (widths > least ? widths : least);
+  return math::magnitude(a.angle - b.angle) > 0.8 * (widths > least ? widths : least);
 }
 
 bool are_all_apart(const DecayModel& model) {

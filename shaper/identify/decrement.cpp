@@ -104,10 +104,10 @@ double damping_ratio_of(Source source, size_t count, double turns) {
   for (size_t n = 0; n < count; ++n) {
     const double here = filter.next(source.next());
     if (here * extremum < 0.0) {
-      (extremum > 0.0 ? maxima : minima).see(math::abs(extremum));
+      (extremum > 0.0 ? maxima : minima).see(math::magnitude(extremum));
       extremum = here;
     }
-    if (math::abs(here) > math::abs(extremum)) extremum = here;
+    if (math::magnitude(here) > math::magnitude(extremum)) extremum = here;
   }
   if (!maxima.any() || !minima.any()) return -1.0;
   const double delta = 0.5 * (maxima.mean() + minima.mean());
@@ -128,7 +128,7 @@ Peaks peaks_of(const double* power, size_t size, double threshold, double apart,
       if (power[k] < power[k - 1] || power[k] < power[k + 1] || (best != 0 && power[k] <= power[best])) continue;
       bool merged = false;
       for (size_t i = 0; i < peaks.count; ++i) {
-        merged = merged || math::abs(static_cast<double>(k) - static_cast<double>(peaks.bin[i])) < apart;
+        merged = merged || math::magnitude(static_cast<double>(k) - static_cast<double>(peaks.bin[i])) < apart;
       }
       if (!merged) best = k;
     }

@@ -130,9 +130,9 @@ class Report {
     mode.damping_late = damping_ratio_of(two.decay[1], two.angle[1]);
     const double damping_spread =
         math::sqrt(math::square(two.decay_std[0]) + math::square(two.decay_std[1])) / two.angle[0];
-    const double damping_change = math::abs(mode.damping_late - mode.damping_early);
+    const double damping_change = math::magnitude(mode.damping_late - mode.damping_early);
     const double angle_spread = math::sqrt(math::square(two.angle_std[0]) + math::square(two.angle_std[1]));
-    const double angle_change = math::abs(two.angle[1] - two.angle[0]);
+    const double angle_change = math::magnitude(two.angle[1] - two.angle[0]);
     if (damping_change > kDiffers * damping_spread)
       mode.damping_std = math::sqrt(math::square(mode.damping_std) + math::square(0.5 * damping_change));
     if (angle_change > kDiffers * angle_spread)

@@ -70,7 +70,7 @@ struct Triangle {
     const double length = math::sqrt(row[j][j] * row[j][j] + below);
     const double diagonal = row[j][j] > 0.0 ? -length : length;
     const double head = row[j][j] - diagonal;
-    const double scale = 1.0 / (length * (length + math::abs(row[j][j])));
+    const double scale = 1.0 / (length * (length + math::magnitude(row[j][j])));
     row[j][j] = diagonal;
     for (size_t k = j + 1; k < columns; ++k) {
       double product = head * row[j][k];

@@ -111,12 +111,12 @@ Status plan_curve(double distance, const AxisLimits& limits, ProfileKind kind, d
   const ProfileTable* table = table_of(kind, detail);
   Phases phases{};
   if (ramps) {
-    phases = shortest_sine(math::abs(distance), limits);
+    phases = shortest_sine(math::magnitude(distance), limits);
   } else {
     if (table == nullptr) return refuse(Error::kNotAvailable, Quantity::kTable, 0.0);
     const Status status = table->validate();
     if (!status.ok()) return status;
-    phases.cruise = shortest_table(*table, math::abs(distance), limits);
+    phases.cruise = shortest_table(*table, math::magnitude(distance), limits);
   }
   const double ticks = phases.time() / tick_s;
   if (!(ticks <= kMaxDurationTicks))
@@ -138,7 +138,7 @@ Peaks curve_peaks(const Plan& plan) {
   Peaks peaks{};
   for (uint32_t i = 0; i < plan.piece_count; ++i) {
     const CurvePiece& piece = plan.pieces[i];
-    const double velocity = math::abs(piece.length) / piece.duration_ticks;
+    const double velocity = math::magnitude(piece.length) / piece.duration_ticks;
     if (piece.table == nullptr) {
       peaks.velocity = greater(peaks.velocity, velocity);
       continue;

@@ -292,7 +292,7 @@ Status plan_matched(double distance, const AxisLimits& limits, double tick_s, co
   const double decay = math::exp(-math::kPi * damping / root);
   const double tick_2 = tick_s * tick_s;
   const double tick_3 = tick_2 * tick_s;
-  const Task task{math::abs(distance),
+  const Task task{math::magnitude(distance),
                   limits.velocity * tick_s,
                   {RampLimits{limits.acceleration * tick_2, limits.jerk * tick_3},
                    RampLimits{limits.deceleration * tick_2, limits.braking_jerk() * tick_3}}};

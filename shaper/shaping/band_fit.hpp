@@ -87,7 +87,7 @@ class BandFit {
       meanwhile_();
       const double value = value_of(j, everywhere);
       at_.miss[j] = targets_.two_sided ? miss_of(j, value) : excess_of(j, value);
-      if (math::abs(at_.miss[j]) > worst) worst = math::abs(at_.miss[j]);
+      if (math::magnitude(at_.miss[j]) > worst) worst = math::magnitude(at_.miss[j]);
     }
     return worst;
   }
@@ -100,7 +100,7 @@ class BandFit {
     for (uint32_t j = 0; j < targets_.count; ++j) {
       const BandPoint& point = targets_.points[j];
       double miss = 0.0;
-      if (point.kind == PointKind::kHump) miss = math::abs(at_.miss[j]) / kAskedFor;
+      if (point.kind == PointKind::kHump) miss = math::magnitude(at_.miss[j]) / kAskedFor;
       meanwhile_();
       if (point.kind == PointKind::kEdge) miss = edge_miss(point.ratio);
       if (miss > worst) worst = miss;
@@ -178,7 +178,7 @@ class BandFit {
                                     limit, cycles_ * step) /
                        (cycles_ * wanted);
     const double narrower = is_low ? run - 1.0 : 1.0 - run;
-    return (targets_.two_sided ? math::abs(narrower) : narrower) / kAsked;
+    return (targets_.two_sided ? math::magnitude(narrower) : narrower) / kAsked;
   }
 
   // What is above the tolerance, or would be with a little less.
@@ -195,7 +195,7 @@ class BandFit {
     for (uint32_t i = 0; i < shaper_.zero_count; ++i) {
       const Zero& zero = shaper_.zeros[i];
       if (!(zero.ratio > 0.0) || !(zero.ratio * cycles_ <= kHighestCyclesATick)) return false;
-      if (!(math::abs(zero.damping_ratio - damping_ratio_) < kMostDamping)) return false;
+      if (!(math::magnitude(zero.damping_ratio - damping_ratio_) < kMostDamping)) return false;
       const bool is_hump =
           i < targets_.count && i + 1 < shaper_.zero_count && targets_.points[i].kind == PointKind::kHump;
       if (is_hump && !(zero.ratio < shaper_.zeros[i + 1].ratio)) return false;

@@ -26,7 +26,7 @@ void add_edge(const Prototype& prototype, double damping_ratio, double inside, d
   const double above_humps = targets.log_tolerance + 1e-9;
   const double ratio = edge_towards(prototype.train, damping_ratio, above_humps, inside, limit, kStep);
   if (ratio == limit) return;
-  const double slope = math::abs(log_residual(prototype.train, ratio, damping_ratio).slope);
+  const double slope = math::magnitude(log_residual(prototype.train, ratio, damping_ratio).slope);
   const double allowed = slope * ratio * kEdgeTolerance;
   targets.add({PointKind::kEdge, ratio, targets.log_tolerance, allowed > kLeast ? allowed : kLeast});
 }
@@ -42,7 +42,7 @@ void add_lobes(const Prototype& prototype, double damping_ratio, double from, do
     if (here.value > targets.log_tolerance + kLobeNear) return;
     if (slope_before > 0.0 && here.slope < 0.0) {
       const Peak lobe = peak_near(prototype.train, damping_ratio, ratio - kStep, ratio);
-      const double near = math::abs(lobe.log_residual - targets.log_tolerance);
+      const double near = math::magnitude(lobe.log_residual - targets.log_tolerance);
       const double allowed = 0.4 * near > kLeast ? 0.4 * near : kLeast;
       if (near < kLobeNear) targets.add({PointKind::kLobe, lobe.frequency, lobe.log_residual, allowed});
     }

@@ -59,7 +59,7 @@ bool step(Offsets& offsets, double damping_ratio, double log_tolerance, double& 
         system.row[j][offsets.offset_of(i)] += offsets.sign_of(i) * after_ratio(at, i, peak.frequency);
     }
     system.right(j) = log_tolerance - peak.log_residual;
-    if (math::abs(system.right(j)) > miss) miss = math::abs(system.right(j));
+    if (math::magnitude(system.right(j)) > miss) miss = math::magnitude(system.right(j));
   }
   double change[kMaxOffsets] = {};
   if (!system.solve(change)) return false;

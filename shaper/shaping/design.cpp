@@ -20,7 +20,7 @@ bool within_gains(const Cascade& taps) {
   for (uint32_t i = 0; i < taps.part_count; ++i) {
     double sum = 0.0;
     for (uint32_t k = taps.parts[i].first; k < taps.parts[i].first + taps.parts[i].count; ++k) {
-      const double size = math::abs(taps.impulses[k].amplitude);
+      const double size = math::magnitude(taps.impulses[k].amplitude);
       if (!(size < kLargestGain)) return false;
       sum += size;
     }
@@ -151,7 +151,7 @@ double ShaperDesign::peak_gain() const {
   for (uint32_t i = 0; i < stage_count; ++i) {
     double sum = 0.0;
     for (uint32_t k = 0; k < stages[i].tap_count; ++k) {
-      sum += math::abs(static_cast<double>(taps[stages[i].first_tap + k].gain));
+      sum += math::magnitude(static_cast<double>(taps[stages[i].first_tap + k].gain));
     }
     product *= sum / kUnityGain;
   }

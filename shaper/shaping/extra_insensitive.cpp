@@ -193,7 +193,8 @@ bool solve(Unknowns& at, double damping_ratio, double tolerance, Meanwhile meanw
     double change[kMaxUnknowns] = {};
     if (!system.solve(change)) return false;
     double largest = 0.0;
-    for (uint32_t k = 0; k < at.size(); ++k) largest = math::abs(change[k]) > largest ? math::abs(change[k]) : largest;
+    for (uint32_t k = 0; k < at.size(); ++k)
+      largest = math::magnitude(change[k]) > largest ? math::magnitude(change[k]) : largest;
     if (!(largest < kWide)) return false;
     Unknowns next = at;
     next.move(change, 1.0);

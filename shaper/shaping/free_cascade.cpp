@@ -50,14 +50,14 @@ bool step(Zeros& zeros, double damping_ratio, double log_tolerance, double high,
       system.row[j][i] = -x * log_slope_of_part(cascade, i, x, damping_ratio);  // after ln of the zero
     }
     system.right(j) = log_tolerance - log_residual(cascade, x, damping_ratio).value;
-    if (math::abs(system.right(j)) > miss) miss = math::abs(system.right(j));
+    if (math::magnitude(system.right(j)) > miss) miss = math::magnitude(system.right(j));
   }
   double change[kMaxZeros] = {};
   if (!system.solve(change)) return false;
   constexpr double kLongest = 0.3;
   double largest = 0.0;
   for (uint32_t i = 0; i < zeros.count; ++i) {
-    if (math::abs(change[i]) > largest) largest = math::abs(change[i]);
+    if (math::magnitude(change[i]) > largest) largest = math::magnitude(change[i]);
   }
   const double part = largest > kLongest ? kLongest / largest : 1.0;
   for (uint32_t i = 0; i < zeros.count; ++i) zeros.at[i] *= math::exp(part * change[i]);

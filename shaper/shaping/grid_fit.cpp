@@ -47,7 +47,7 @@ double rated(double miss, const GridShaper& shaper) {
   const double price = miss > kClose ? miss : kClose;
   if (!shaper.taps.has_negative()) return price;
   double size = 0.0;
-  for (uint32_t i = 0; i < shaper.taps.impulse_count; ++i) size += math::abs(shaper.taps.impulses[i].amplitude);
+  for (uint32_t i = 0; i < shaper.taps.impulse_count; ++i) size += math::magnitude(shaper.taps.impulses[i].amplitude);
   return price + kAskedFor * (0.9 + 3.0 * (size - shaper.taps.part_count));
 }
 

@@ -99,10 +99,10 @@ ContourLag lag_between(Shaper& first, Shaper& second, uint32_t length_ticks) {
   for (uint32_t tick = 0; tick <= length_ticks; ++tick) {
     const double apart = static_cast<double>(first.tick(kStep) - second.tick(kStep)) / static_cast<double>(kStep);
     sum += apart;
-    lag.corner_ticks = higher(lag.corner_ticks, math::abs(sum));
-    lag.worst_ticks += math::abs(apart);
+    lag.corner_ticks = higher(lag.corner_ticks, math::magnitude(sum));
+    lag.worst_ticks += math::magnitude(apart);
   }
-  lag.steady_ticks = math::abs(sum);
+  lag.steady_ticks = math::magnitude(sum);
   return lag;
 }
 

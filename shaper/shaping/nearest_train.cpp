@@ -79,7 +79,7 @@ Conditions conditions_of(const Cascade& train, double damping_ratio, double cycl
 bool are_met(const Conditions& conditions) {
   constexpr double kMet = 2e-10;  // less than gains resolve
   for (size_t k = 0; k < kConditions; ++k) {
-    if (math::abs(conditions.missing[k]) > kMet) return false;
+    if (math::magnitude(conditions.missing[k]) > kMet) return false;
   }
   return true;
 }

@@ -42,7 +42,7 @@ Point top_between(const Hump& hump, Point left, Point right) {
     if (!rises && kept == -1) left.tilt *= 0.5;
     (rises ? left : right) = next;
     kept = rises ? 1 : -1;
-    if (math::abs(next.tilt) < 1e-8 || moved < 1e-12) break;
+    if (math::magnitude(next.tilt) < 1e-8 || moved < 1e-12) break;
   }
   return best;
 }

@@ -36,10 +36,10 @@ Status ImpulseTrain::validate() const {
     if (i == 0 && impulse.time < 0.0) return refuse(Error::kBelowMinimum, Quantity::kImpulseTime, impulse.time, 0.0);
     if (i > 0 && impulse.time <= before)
       return refuse(Error::kBelowMinimum, Quantity::kImpulseTime, impulse.time, next_above(before));
-    if (math::abs(impulse.amplitude) > kLargest)
+    if (math::magnitude(impulse.amplitude) > kLargest)
       return refuse(Error::kAboveMaximum, Quantity::kImpulseAmplitude, impulse.amplitude, kLargest);
     sum += impulse.amplitude;
-    size += math::abs(impulse.amplitude);
+    size += math::magnitude(impulse.amplitude);
   }
   if (sum < 1.0 - kSumTolerance) return refuse(Error::kBelowMinimum, Quantity::kImpulseSum, sum, 1.0);
   if (sum > 1.0 + kSumTolerance) return refuse(Error::kAboveMaximum, Quantity::kImpulseSum, sum, 1.0);
