@@ -26,13 +26,18 @@ constexpr uint32_t one_of(uint32_t a) { return UINT32_C(1) << a; }
 constexpr uint32_t one_of(uint32_t a, uint32_t b) { return one_of(a) | one_of(b); }
 constexpr uint32_t one_of(uint32_t a, uint32_t b, uint32_t c) { return one_of(a, b) | one_of(c); }
 
-constexpr Parameter shown(R name, T type, uint16_t object, uint32_t initial, const char* text, const char* unit = "") {
-  return {name, type, Access::kRead, Lock::kOpen, Effect::kNone, kNoRegister, object, 0, 0, initial, kAny, text, unit};
+struct Entry : Parameter {
+  ParameterText told;
+};
+
+constexpr Entry shown(R name, T type, uint16_t object, uint32_t initial, const char* text, const char* unit = "") {
+  return {{name, type, Access::kRead, Lock::kOpen, Effect::kNone, kNoRegister, 0, 0, initial, kAny},
+          {text, unit, object}};
 }
 
-constexpr Parameter value(R name, T type, uint16_t object, uint32_t minimum, uint32_t maximum, uint32_t initial,
-                          const char* text, const char* unit, uint32_t allowed = kAny) {
-  Parameter parameter = shown(name, type, object, initial, text, unit);
+constexpr Entry value(R name, T type, uint16_t object, uint32_t minimum, uint32_t maximum, uint32_t initial,
+                      const char* text, const char* unit, uint32_t allowed = kAny) {
+  Entry parameter = shown(name, type, object, initial, text, unit);
   parameter.access = Access::kReadWrite;
   parameter.minimum = minimum;
   parameter.maximum = maximum;
@@ -40,47 +45,47 @@ constexpr Parameter value(R name, T type, uint16_t object, uint32_t minimum, uin
   return parameter;
 }
 
-constexpr Parameter command(R name, uint32_t maximum, uint32_t allowed, Effect effect, const char* text) {
-  Parameter parameter = value(name, T::kU16, 0, 0, maximum, 0, text, "", allowed);
+constexpr Entry command(R name, uint32_t maximum, uint32_t allowed, Effect effect, const char* text) {
+  Entry parameter = value(name, T::kU16, 0, 0, maximum, 0, text, "", allowed);
   parameter.access = Access::kWrite;
   parameter.effect = effect;
   return parameter;
 }
 
-constexpr Parameter with(Effect effect, Parameter parameter) {
+constexpr Entry with(Effect effect, Entry parameter) {
   parameter.effect = effect;
   return parameter;
 }
 
-constexpr Parameter locked(Parameter parameter) {
+constexpr Entry locked(Entry parameter) {
   parameter.lock = Lock::kNeedsKey;
   return parameter;
 }
 
 // One of the axis's own limits.
-constexpr Parameter limit(R name, uint16_t object, uint32_t initial, const char* text, const char* unit) {
+constexpr Entry limit(R name, uint16_t object, uint32_t initial, const char* text, const char* unit) {
   return with(Effect::kAxisLimits, locked(value(name, T::kU32, object, 1, kU32Max, initial, text, unit)));
 }
 
-constexpr Parameter soft_limit(R name, const char* text) {
+constexpr Entry soft_limit(R name, const char* text) {
   return with(Effect::kAxisLimits, locked(value(name, T::kI32, 0x607D, kI32Min, kI32Max, 0, text, "counts")));
 }
 
 // One of a move's.
-constexpr Parameter profile(R name, uint16_t object, uint32_t initial, R ceiling, const char* text, const char* unit) {
-  Parameter parameter = value(name, T::kU32, object, 1, kU32Max, initial, text, unit);
+constexpr Entry profile(R name, uint16_t object, uint32_t initial, R ceiling, const char* text, const char* unit) {
+  Entry parameter = value(name, T::kU32, object, 1, kU32Max, initial, text, unit);
   parameter.ceiling = ceiling;
   return parameter;
 }
 
-constexpr Parameter under(R ceiling, Parameter parameter) {
+constexpr Entry under(R ceiling, Entry parameter) {
   parameter.ceiling = ceiling;
   return parameter;
 }
 
 // The register at `offset` of a mode's block. The reserved ones read 0 and take 0, so that a client can write the
 // block.
-constexpr Parameter mode(uint32_t index, uint32_t offset) {
+constexpr Entry mode(uint32_t index, uint32_t offset) {
   const auto name = static_cast<R>(address_of(R::kFirstMode) + kModeStride * index + offset);
   switch (static_cast<ModeField>(offset)) {
     case ModeField::kFrequency: return value(name, T::kU32, 0, 0, 3000000, 0, "mode frequency", "1e-4 Hz");
@@ -93,10 +98,8 @@ constexpr Parameter mode(uint32_t index, uint32_t offset) {
   }
 }
 
-}  // namespace
-
 // clang-format off
-constexpr Parameter kParameters[kParameterCount] = {
+constexpr Entry kTable[kParameterCount] = {
     shown(R::kMapVersion, T::kU16, 0, kMapVersion, "map version"),
     shown(R::kProduct, T::kU16, 0, kProduct, "product"),
     shown(R::kFirmwareVersion, T::kU16, 0, kFirmwareVersion, "firmware version"),
@@ -185,19 +188,28 @@ constexpr Parameter kParameters[kParameterCount] = {
 };
 // clang-format on
 
-namespace {
+constexpr ParameterTable<Parameter> without_texts() {
+  ParameterTable<Parameter> table{};
+  for (size_t i = 0; i < kParameterCount; ++i) table.entry[i] = static_cast<const Parameter&>(kTable[i]);
+  return table;
+}
+
+constexpr ParameterTable<ParameterText> texts() {
+  ParameterTable<ParameterText> table{};
+  for (size_t i = 0; i < kParameterCount; ++i) table.entry[i] = kTable[i].told;
+  return table;
+}
 
 constexpr bool addresses_rise_without_overlap() {
   for (size_t i = 1; i < kParameterCount; ++i) {
-    if (address_of(kParameters[i].name) < address_of(kParameters[i - 1].name) + kParameters[i - 1].words())
-      return false;
+    if (address_of(kTable[i].name) < address_of(kTable[i - 1].name) + kTable[i - 1].words()) return false;
   }
   return true;
 }
 
 constexpr bool wide_values_are_even() {
   for (size_t i = 0; i < kParameterCount; ++i) {
-    if (kParameters[i].words() == 2 && address_of(kParameters[i].name) % 2 != 0) return false;
+    if (kTable[i].words() == 2 && address_of(kTable[i].name) % 2 != 0) return false;
   }
   return true;
 }
@@ -206,6 +218,9 @@ static_assert(addresses_rise_without_overlap(), "find_parameter searches by halv
 static_assert(wide_values_are_even(), "a promise of the register map");
 
 }  // namespace
+
+constexpr ParameterTable<Parameter> kParameters = without_texts();
+constexpr ParameterTable<ParameterText> kParameterTexts = texts();
 
 size_t find_parameter(uint16_t address) {
   size_t low = 0;

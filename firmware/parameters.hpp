@@ -37,13 +37,10 @@ struct Parameter {
   Lock lock;
   Effect effect;
   Register ceiling;  // the parameter whose value is this one's maximum, or kNoRegister
-  uint16_t object;   // CiA 402 object, or 0
   uint32_t minimum;  // these three are the type's own bits
   uint32_t maximum;
   uint32_t initial;
   uint32_t allowed;  // bit v: minimum + v is a value that this firmware can do; 0: all in the range are
-  const char* text;
-  const char* unit;
 
   constexpr uint32_t words() const { return type == Type::kU32 || type == Type::kI32 ? 2 : 1; }
   constexpr bool is_signed() const { return type == Type::kI16 || type == Type::kI32; }
@@ -54,8 +51,30 @@ struct Parameter {
 constexpr size_t kParameterCount = 95;
 constexpr size_t kNoParameter = kParameterCount;
 
-// Sorted by address.
-extern const Parameter kParameters[kParameterCount];
+// What people are told of one.
+struct ParameterText {
+  const char* text;
+  const char* unit;
+  uint16_t object;  // of CiA 402, or 0
+};
+
+template <typename T>
+struct ParameterTable {
+  T entry[kParameterCount];
+
+  constexpr const T& operator[](size_t index) const { return entry[index]; }
+  constexpr const T* begin() const { return entry; }
+  constexpr const T* end() const { return entry + kParameterCount; }
+};
+
+// Sorted by address. The texts are apart: an image that shows them to nobody does not have them.
+extern const ParameterTable<Parameter> kParameters;
+extern const ParameterTable<ParameterText> kParameterTexts;
+
+// `parameter` is one of kParameters.
+inline const ParameterText& text_of(const Parameter& parameter) {
+  return kParameterTexts[static_cast<size_t>(&parameter - kParameters.begin())];
+}
 
 // The parameter that `address` belongs to (as its only, its high or its low word), or kNoParameter. O(log n).
 size_t find_parameter(uint16_t address);

@@ -66,6 +66,7 @@ void add_move(Commands& commands, Output& output);
 void add_hil(Commands& commands, Output& output);
 void add_drive(Commands& commands, Output& output);
 void add_emulate(Commands& commands);
+void add_registers(Commands& commands, Output& output);
 void add_demo(Commands& commands, Output& output);
 void add_park(Commands& commands, Output& output);
 void add_table(Commands& commands, Output& output);

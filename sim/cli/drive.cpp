@@ -104,7 +104,7 @@ int show_values(const Call& call, const std::vector<std::string>& names) {
     const firmware::Parameter& parameter = parameter_named(name);
     const int64_t value = read_parameter(call.port, parameter);
     values[name_of(parameter)] = value;
-    table.row({name_of(parameter), std::to_string(value), parameter.unit});
+    table.row({name_of(parameter), std::to_string(value), firmware::text_of(parameter).unit});
   }
   if (call.output.json) {
     print_json(values);

@@ -30,7 +30,7 @@ TEST(every_default_is_in_its_own_range_and_every_parameter_has_a_name) {
   for (const Parameter& parameter : kParameters) {
     TEST_INFO("address", address_of(parameter.name));
     uint32_t accepted = 0;
-    TEST_ASSERT_TRUE(parameter.text[0] != '\0');
+    TEST_ASSERT_TRUE(text_of(parameter).text[0] != '\0');
     if (parameter.access == Access::kReadWrite) {
       TEST_ASSERT_TRUE(in_range(parameter, parameter.maximum, parameter.initial, accepted));
     }
