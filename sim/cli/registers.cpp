@@ -82,7 +82,7 @@ Beside the table:
 | address | what | access |
 |---|---|---|
 | 0090-00CF | the next positions of a stream, i32 counts, by function 16 from 0090 on | W |
-| 0500-05FF | the newest 16 faults, 16 registers each: code, counter, uptime u32 ms, position i32 counts, demand i32 counts, zeros | R |
+| 0500-05FF | the newest 16 faults, 16 registers each: code, counter, uptime u32 ms, position i32, demand i32, zeros | R |
 )";
 
 int run(const Output& output) {
