@@ -98,8 +98,9 @@ TEST_F(Refused, a_band_that_cannot_be_looked_at_is_refused_with_one_that_can) {
 }
 
 TEST_F(Refused, a_profile_beyond_the_axis_names_its_register) {
-  unlock();
-  TEST_ASSERT_EQUAL_UINT32(0, write_wide(0x0058, 1000000));  // below the 1,200,000 of 0060
+  AxisConfig slower = axis.config();
+  slower.maximum.velocity = 1e6;  // below the 1,200,000 of 0060
+  TEST_ASSERT_OK(axis.configure(slower));
   expect_no_start(firmware::reason_of(Error::kAboveMaximum, Quantity::kVelocity), 0x0060);
   TEST_ASSERT_EQUAL_UINT32(1000000, get_wide(0x0016));
 }
