@@ -10,7 +10,9 @@ void Application::begin(AxisCore& axis, const Ports& ports) {
   loop_.begin(axis, *ports.servo);
   drive_.begin(axis, loop_, parameters_);
   shaper_.begin(axis, parameters_, Meanwhile{serve_meanwhile, this});
-  registers_.begin({&axis, &loop_, &drive_, &shaper_, &parameters_});
+  if (ports.tune != nullptr) tuner_.begin(axis, *ports.tune);
+  tuning_.begin({&axis, ports.tune != nullptr ? &tuner_ : nullptr, &drive_, &shaper_, &parameters_});
+  registers_.begin({&axis, &loop_, &drive_, &shaper_, &tuning_, &parameters_});
   client_.begin(*ports.client, kDefaultUnit);
 }
 
@@ -18,6 +20,7 @@ void Application::tick() {
   ticked_ = true;
   advance(silence_clock_);
   loop_.tick();
+  tuner_.tick(loop_.sample());
 }
 
 void Application::own_timer_tick() {
@@ -29,9 +32,10 @@ void Application::own_timer_tick() {
 
 void Application::poll() {
   serve();
-  // Designs and plans take long; an answer with a hole in it would be two broken frames.
+  // Designs, identifications and plans take long; an answer with a hole in it would be two broken frames.
   if (client_.sending()) return;
   shaper_.service();
+  tuning_.service(load(uptime_ms_), Meanwhile{serve_meanwhile, this});
   drive_.take_set_point(shaper_.waiting());
 }
 
@@ -39,7 +43,9 @@ void Application::serve() {
   const uint32_t now = load(silence_clock_);
   feed_watchdog(now);
   registers_.set_uptime(load(uptime_ms_));
+  drive_.set_tuning(tuning_.busy());
   drive_.service();
+  tuning_.keep_watch();
   if (client_.poll(now)) {
     client_.reply(modbus::execute(registers_, client_.request(), client_.request_length(), client_.response()));
   }
@@ -52,8 +58,8 @@ void Application::serve_meanwhile(void* application) {
   } while (self.client_.sending());
 }
 
-// Alive are this loop, or a design that comes nearer to its end, and one of the two interrupts: the clock stands when
-// neither comes.
+// Alive are this loop, or a design or an identification that comes nearer to its end, and one of the two interrupts:
+// the clock stands when neither comes.
 void Application::feed_watchdog(uint32_t now) {
   if (now == fed_at_) return;
   fed_at_ = now;

@@ -104,6 +104,7 @@ void ControlLoop::take(const hal::ServoFeedback& feedback) {
           static_cast<Signal>(static_cast<uint64_t>(feedback.position) - static_cast<uint64_t>(state_.position));
     }
     state_.position = feedback.position;
+    acceleration_ = feedback.acceleration;
     missing_in_a_row_ = 0;
   }
   state_.feedback_valid = usable;

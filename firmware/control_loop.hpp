@@ -8,6 +8,7 @@
 #include "hal/servo_port.hpp"
 #include "shaper/axis/axis_core.hpp"
 #include "shaper/base/shared.hpp"
+#include "shaper/tune/auto_tune.hpp"
 
 namespace stillpoint::firmware {
 
@@ -62,6 +63,9 @@ class ControlLoop {
   // Hands over this tick's setpoint and takes the newest feedback. Bounded; no division, no floating point, no error.
   void tick();
 
+  // What this tick saw, after it.
+  TuneSample sample() const { return {state_.axis.setpoint, state_.position, acceleration_, state_.feedback_valid}; }
+
   // Once a millisecond of the chip's own timer.
   void own_timer_tick();
 
@@ -89,6 +93,7 @@ class ControlLoop {
   uint32_t cleared_ = 0;
   uint32_t missing_in_a_row_ = 0;
   uint32_t silent_ms_ = 0;
+  int32_t acceleration_ = 0;  // newest valid feedback
   uint16_t last_sequence_ = 0;
   bool following_ = false;     // last_sequence_ is of the feedback just before
   bool commit_ = false;        // of the exchange before

@@ -33,6 +33,15 @@ class Drive {
   // As often as possible. Short.
   void service();
 
+  // While the auto-tune has the axis, set-points are refused.
+  void set_tuning(bool tuning) { tuning_ = tuning; }
+
+  // 0, or the reason (0012) why the axis cannot be lent to anybody now.
+  uint16_t reason_not_free() const;
+
+  // Operation enabled, and nothing asks for anything else.
+  bool may_move() const;
+
   // Plans and commands a set-point that waits. Long: see AxisCore::command. `shaper_waiting`: not yet.
   void take_set_point(bool shaper_waiting);
 
@@ -68,7 +77,8 @@ class Drive {
   bool set_point_waits_ = false;
   bool set_point_taken_ = false;  // bit 12
   bool moving_ = false;           // from taking a set-point until the axis stands
-  bool given_up_ = false;         // the last move was stopped on its way
+  bool tuning_ = false;
+  bool given_up_ = false;  // the last move was stopped on its way
 };
 
 }  // namespace stillpoint::firmware

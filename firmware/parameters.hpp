@@ -26,7 +26,8 @@ enum class Effect : uint8_t {
   kApplyShaper,
   kAxisLimits,
   kPositionWindow,
-  kShaperSet
+  kShaperSet,
+  kTune
 };
 
 struct Parameter {
@@ -50,7 +51,7 @@ struct Parameter {
   constexpr bool writable() const { return access != Access::kRead; }
 };
 
-constexpr size_t kParameterCount = 83;
+constexpr size_t kParameterCount = 142;
 constexpr size_t kNoParameter = kParameterCount;
 
 // Sorted by address.

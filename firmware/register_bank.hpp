@@ -8,6 +8,7 @@
 #include "firmware/modbus_pdu.hpp"
 #include "firmware/parameters.hpp"
 #include "firmware/shaper_settings.hpp"
+#include "firmware/tuning.hpp"
 #include "shaper/axis/axis_core.hpp"
 
 namespace stillpoint::firmware {
@@ -28,6 +29,7 @@ class RegisterBank {
     ControlLoop* loop;
     Drive* drive;
     ShaperSettings* shaper;
+    TuneSettings* tuning;
     Parameters* parameters;
   };
 
@@ -54,7 +56,9 @@ class RegisterBank {
   ModbusException refuse_state(uint16_t reason, Register culprit);
   uint16_t key_refusal(uint32_t key) const;
   uint32_t staged(const Request& request, Register name) const;
+  ModbusException check_limits(const Request& request, Register culprit);
   Status configure_axis(const Request& request);
+  ModbusException do_tune(const Request& request);
   void commit(const Request& request);
   void set_off(const Parameter& parameter, uint32_t value);
 

@@ -9,13 +9,30 @@ namespace stillpoint {
 
 namespace {
 
-constexpr double kMostGaps = 0.01;       // of the ticks that are recorded
-constexpr double kClearlyBetter = 0.5;   // of the plain ringing, at most
-constexpr double kWorthProposing = 0.5;  // a shaper that may leave more is none
+constexpr double kMostGaps = 0.01;         // of the ticks that are recorded
+constexpr double kClearlyBetter = 0.5;     // of the plain ringing, at most
+constexpr double kWorthProposing = 0.5;    // a shaper that may leave more is none
+constexpr double kFaded = 0.1;             // of the plain ringing, what may be left of it when it is verified
+constexpr double kLongestWait_s = 60.0;    // for that
+constexpr double kLeastAmplitude = 0.002;  // of a mode over the strongest one's
 constexpr int kErrorFractionBits = 16;
 constexpr double kCountsPerError = 1.0 / (1 << kErrorFractionBits);
 
 Status busy_now() { return refuse(Error::kBusy, Quantity::kNone, 0.0); }
+
+// Until the ringing found has faded, from the first sample on.
+double fading_time_s(const Identification& found) {
+  double sum = 0.0;
+  for (size_t k = 0; k < found.mode_count; ++k) sum += found.mode[k].amplitude;
+  double longest = 0.0;
+  for (size_t k = 0; k < found.mode_count; ++k) {
+    const IdentifiedMode& mode = found.mode[k];
+    const double fades = mode.amplitude > kFaded * sum ? math::log(mode.amplitude / (kFaded * sum)) : 0.0;
+    const double time = fades / (2.0 * math::kPi * mode.frequency_hz * mode.damping_ratio);
+    if (time > longest) longest = time;
+  }
+  return longest < kLongestWait_s ? longest : kLongestWait_s;
+}
 
 bool is_an_end(TuneState state) {
   return state == TuneState::kIdle || state == TuneState::kKept || state == TuneState::kUndone ||
@@ -190,23 +207,27 @@ void AutoTune::listen() {
   }
 }
 
-// True where there is no use in looking at it: taken again, or given up.
+// True where there is no use in looking at it.
 bool AutoTune::record_is_flawed() {
   const CaptureFlaws flaws = capture_.flaws();
   if (!verifying_) report_.flaws = flaws;
   const double ticks = static_cast<double>(capture_.samples()) * plan_.listen.decimation;
-  const bool is_saturated = flaws.saturated != 0;
-  if (!is_saturated && flaws.gaps <= kMostGaps * ticks) return false;
+  if (flaws.saturated == 0 && flaws.gaps <= kMostGaps * ticks) return false;
+  give_up_record(flaws.saturated != 0 ? Finding::kSaturated : Finding::kNoisy);
+  return true;
+}
+
+// Another is taken, once. Chance may have put two equal samples on a top, or a gap into a record.
+void AutoTune::give_up_record(Finding finding) {
   stop_listening();
-  if (!is_saturated && !taken_again_) {
+  if (!taken_again_) {
     taken_again_ = true;
     step_ = Step::kMove;
   } else if (verifying_) {
     end(TuneState::kUndone);
   } else {
-    fail(is_saturated ? Finding::kSaturated : Finding::kNoisy);
+    fail(finding);
   }
-  return true;
 }
 
 void AutoTune::look(const Meanwhile& meanwhile) {
@@ -230,11 +251,16 @@ void AutoTune::look_at_plain(const Record& record, const IdentifyScratch& scratc
   Identification& found = report_.identification;
   IdentifyConfig config;
   config.rate_hz = plan_.listen.rate_hz;
+  config.least_amplitude = kLeastAmplitude;
+  faded_at_ = axis_->state().tick;
   const Status status = identify(record, config, scratch, found, meanwhile);
   if (abort_asked_) return;
   if (!status.ok()) return refused(status);
+  if (found.finding == Finding::kSaturated) return give_up_record(found.finding);
   drop_modes_outside_band();
   if (found.finding != Finding::kFound) return fail(found.finding);
+  const double rest_s = fading_time_s(found) - static_cast<double>(record.count) / config.rate_hz;
+  if (rest_s > 0.0) faded_at_ += static_cast<uint32_t>(rest_s / axis_->config().tick_s);
   report_.plain_ringing = ringing(record, scratch, meanwhile).level;
   choose(found, config_.tolerance, axis_->config().tick_s, report_.proposal, meanwhile);
   if (abort_asked_) return;
@@ -281,6 +307,7 @@ void AutoTune::apply(const Meanwhile& meanwhile) {
     handed_over_ = shaper_changed_ = true;
     return;
   }
+  if (static_cast<int32_t>(axis_->state().tick - faded_at_) < 0) return;
   handed_over_ = false;
   verifying_ = true;
   taken_again_ = false;
@@ -342,6 +369,8 @@ void AutoTune::tick(const TuneSample& sample) {
   if (phase == AxisPhase::kStopping) store(stopped_, 1);
   if (load(listens_) == 0) return;
   if (watch_.tick(phase == AxisPhase::kAtRest, sample.position, sample.fresh)) capture_.trigger();
+  // Not while it moves: a gap or a value at the sensor's end is no flaw of the record then.
+  if (!watch_.is_after_motion()) return;
   const int32_t value = value_of(sample);
   capture_.tick(&value, sample.fresh);
 }

@@ -32,18 +32,21 @@ enum class TuneState : uint8_t {
   kFailed  // `finding` says why
 };
 
+// `source_enough`: the deviations of f and zeta that the source gave are so small that the shaper proposed keeps the
+// tolerance wherever in two of them either way the modes may be. For the following error, which shows the arm only as far
+// as it shakes its motor, that is the question whether an accelerometer is needed.
 struct TuneReport {
   TuneState state;
   uint32_t progress_percent;
   TuneExcitation excited_by;      // what told, or was tried last
   TuneSource source;              // that was listened to
-  bool source_enough;             // of the following error: it tells f as well as a shaper needs it
+  bool source_enough;             // see below
   Announcement announced;         // of the excitation under way or done
   Identification identification;  // its finding is that of the whole, also kTravelLimit and kAborted
   CaptureFlaws flaws;             // of the record it is from
   TuneProposal proposal;
-  // Root mean square of the ringing after the plain move, less noise (see ringing_of), in raw steps of the accelerometer
-  // or counts; and the most that it may be after the shaped one. 0 until then.
+  // Root mean square of the ringing after the plain move, less noise (see ringing_of), in raw steps of the
+  // accelerometer or in counts; and the most that it may be after the shaped one. 0 until then.
   double plain_ringing;
   double shaped_ringing;
   Status refusal;  // of the axis, where that ended it
@@ -65,10 +68,19 @@ struct TuneMemory {
   DecayFit fit;
 };
 
-// Owns the axis while `busy`: whoever commands it besides gets kBusy, or aborts the tuning first. A stop or fault from
-// elsewhere aborts it.
+// Owns the axis while `busy`: whoever commands it besides gets kBusy, or aborts the tuning first. A stop, or a reset
+// that puts the axis elsewhere while it moves or listens, aborts it.
 //
-// `tick` is the tick's, after AxisCore::tick; everything else is the background's. Zero-initialised storage is valid.
+// What it does: takes the shaper in force off, moves to the target, records from where axis and motor rest, identifies,
+// chooses, waits for `accept`, applies at rest, waits until the plain ringing has faded to a tenth (a minute at most),
+// moves back and compares: the shaper is kept where the shaped ringing is at most half of the plain one, whatever noise
+// may hide, and is undone otherwise. A record with gaps in more than 1 % of its ticks, or that looks clipped, is taken
+// again once, on the way back. An ending other than kKept has the shaper of before in force; the axis then stands
+// where its last motion led. `service` must be called for an abort to be heard; it does not return while it identifies.
+// A refusal of the axis ends it as kFailed, kAborted, with `refusal`.
+//
+// `tick` is the tick's, after AxisCore::tick; everything else is the background's. AxisCore::service is the caller's to
+// call. Zero-initialised storage is valid. RAM: 2 KB, and TuneMemory.
 class AutoTune {
  public:
   void begin(AxisCore& axis, TuneMemory& memory);
@@ -109,6 +121,7 @@ class AutoTune {
   void listen();
   void look(const Meanwhile& meanwhile);
   bool record_is_flawed();
+  void give_up_record(Finding finding);
   void look_at_plain(const Record& record, const IdentifyScratch& scratch, const Meanwhile& meanwhile);
   void look_at_shaped(const Record& record, const IdentifyScratch& scratch, const Meanwhile& meanwhile);
   Ringing ringing(const Record& record, const IdentifyScratch& scratch, const Meanwhile& meanwhile) const;
@@ -132,10 +145,11 @@ class AutoTune {
   bool is_out_ = false;          // stands where the move leads
   bool shaper_changed_ = false;  // `before_` is not in force
   bool handed_over_ = false;     // the shaper that the step is about
-  bool taken_again_ = false;     // a record with gaps
+  bool taken_again_ = false;     // a record that was flawed
   bool working_ = false;         // `meanwhile` may call everything but service
   bool abort_asked_ = false;
-  Signal expected_ = 0;  // where the motion under way ends
+  uint32_t faded_at_ = 0;  // the axis's tick: the plain ringing would be in the way of the shaped one
+  Signal expected_ = 0;    // where the motion under way ends
   TuneReport report_ = {};
 
   // Shared with the tick.

@@ -11,12 +11,13 @@ namespace {
 constexpr double kDeviations = 2.0;
 constexpr double kLeastWidth = 1e-4;  // of a band, over the frequency
 constexpr double kWeak = 0.25;        // of the tolerance
+constexpr double kHumps = 0.9;        // the rest is for damping that differs
 
 constexpr ShaperKind kKinds[] = {ShaperKind::kZv, ShaperKind::kZvd, ShaperKind::kEi, ShaperKind::kZvdd,
                                  ShaperKind::kZvddd};
 constexpr uint32_t kKindCount = 5;
 // Zeros that each counts for at first sight. An EI of 5 % holds half as wide again as a ZVD.
-constexpr double kZeros[] = {1.0, 2.0, 2.6, 3.0, 4.0};
+constexpr double kZeros[] = {1.0, 2.0, 2.5, 3.0, 4.0};
 
 double larger(double a, double b) { return a > b ? a : b; }
 double smaller(double a, double b) { return a < b ? a : b; }
@@ -54,11 +55,11 @@ class Choice {
     double zeros = 0.0;
     ShaperDesign best = design_;
     for (uint32_t i = 0; i < kKindCount; ++i) {
-      for (; zeros + 0.5 < kZeros[i]; zeros += 0.5) expected *= math::sqrt(zv_leaves);
+      for (; zeros + 0.25 < kZeros[i]; zeros += 0.5) expected *= math::sqrt(zv_leaves);
       const bool is_last = i + 1 == kKindCount;
       if (expected > tolerance_ && !is_last) continue;
       spec.kind = kKinds[i];
-      spec.tolerance = spec.kind == ShaperKind::kEi ? tolerance_ : 0.0;
+      spec.tolerance = spec.kind == ShaperKind::kEi ? kHumps * tolerance_ : 0.0;
       ShaperDesign trial = design_;
       if (!add_shaper(spec, tick_s_, trial, nullptr, meanwhile_).ok()) continue;
       best = trial;

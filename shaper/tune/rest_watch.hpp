@@ -25,10 +25,13 @@ class RestWatch {
   }
   void disarm() { store(state_, kOff); }
 
+  // Tick: the motion is over, and what the sensors read is of the rest.
+  bool is_after_motion() const { return load(state_) >= kRests; }
+
   // Tick. True once.
   bool tick(bool axis_rests, Signal position, bool fresh) {
     const uint32_t state = load(state_);
-    if (state == kOff) return false;
+    if (state == kOff || state == kDone) return false;
     if (!axis_rests) {
       store(state_, kMoves);
       return false;
@@ -42,12 +45,12 @@ class RestWatch {
     if (fresh) follow(position);
     ++rested_;
     if (++still_ < window_ && rested_ < patience_ + window_) return false;
-    store(state_, kOff);
+    store(state_, kDone);
     return true;
   }
 
  private:
-  enum State : uint32_t { kOff, kArmed, kMoves, kRests };
+  enum State : uint32_t { kOff, kArmed, kMoves, kRests, kDone };
 
   void begin_at(Signal position) {
     lowest_ = 0;

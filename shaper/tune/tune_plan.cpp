@@ -90,6 +90,8 @@ Status plan_move(const AxisCore& axis, const TuneConfig& config, double distance
   Status status = plan_rest_to_rest(distance, config.move.limits, config.move.kind, tick_s, plan, config.move.detail);
   if (!status.ok()) return status;
   const double wanted = math::floor(config.move.duration_s / tick_s + 0.5);
+  if (config.move.duration_s != 0.0 && wanted < plan.duration_ticks)
+    return refuse(Error::kBelowMinimum, Quantity::kDuration, config.move.duration_s, plan.duration_ticks * tick_s);
   if (wanted > plan.duration_ticks) status = stretch(plan, static_cast<uint32_t>(wanted));
   if (!status.ok()) return status;
   const Peaks peaks = peaks_of(plan, tick_s);
