@@ -12,7 +12,9 @@ void Application::begin(AxisCore& axis, const Ports& ports) {
   drive_.begin(axis, loop_, parameters_, stream_);
   shaper_.begin(axis, parameters_, Meanwhile{serve_meanwhile, this});
   faults_.begin(ports.faults);
-  registers_.begin({&axis, &loop_, &drive_, &shaper_, &parameters_, &faults_, &stream_});
+  if (ports.tune != nullptr) tuner_.begin(axis, *ports.tune);
+  tuning_.begin({&axis, ports.tune != nullptr ? &tuner_ : nullptr, &drive_, &shaper_, &parameters_});
+  registers_.begin({&axis, &loop_, &drive_, &shaper_, &tuning_, &parameters_, &faults_, &stream_});
   client_.begin(*ports.client, kDefaultUnit);
 }
 
@@ -21,6 +23,7 @@ void Application::tick() {
   advance(silence_clock_);
   loop_.tick();
   if (stream_.running() && loop_.now().axis.phase == AxisPhase::kStreaming) axis_->stream(stream_.tick());
+  tuner_.tick(loop_.sample());
 }
 
 void Application::own_timer_tick() {
@@ -32,9 +35,10 @@ void Application::own_timer_tick() {
 
 void Application::poll() {
   serve();
-  // Designs and plans take long; an answer with a hole in it would be two broken frames.
+  // Designs, identifications and plans take long; an answer with a hole in it would be two broken frames.
   if (client_.sending()) return;
   shaper_.service();
+  tuning_.service(load(uptime_ms_), Meanwhile{serve_meanwhile, this});
   drive_.take_set_point(shaper_.waiting());
 }
 
@@ -43,7 +47,9 @@ void Application::serve() {
   feed_watchdog(now);
   const uint32_t uptime_ms = load(uptime_ms_);
   registers_.set_uptime(uptime_ms);
+  drive_.set_tuning(tuning_.busy());
   drive_.service();
+  tuning_.keep_watch();
   faults_.follow(drive_.loop(), uptime_ms);
   if (client_.poll(now)) {
     loop_.note_client();
@@ -58,8 +64,8 @@ void Application::serve_meanwhile(void* application) {
   } while (self.client_.sending());
 }
 
-// Alive are this loop, or a design that comes nearer to its end, and one of the two interrupts: the clock stands when
-// neither comes.
+// Alive are this loop, or a design or an identification that comes nearer to its end, and one of the two interrupts:
+// the clock stands when neither comes.
 void Application::feed_watchdog(uint32_t now) {
   if (now == fed_at_) return;
   fed_at_ = now;

@@ -12,11 +12,13 @@
 #include "firmware/position_stream.hpp"
 #include "firmware/register_bank.hpp"
 #include "firmware/shaper_settings.hpp"
+#include "firmware/tuning.hpp"
 #include "hal/byte_stream.hpp"
 #include "hal/servo_port.hpp"
 #include "hal/watchdog.hpp"
 #include "shaper/axis/axis_core.hpp"
 #include "shaper/base/shared.hpp"
+#include "shaper/tune/auto_tune.hpp"
 
 namespace stillpoint::firmware {
 
@@ -27,6 +29,7 @@ struct Ports {
   hal::ByteStream* client;  // Modbus RTU
   hal::Watchdog* watchdog;
   FaultMemory* faults = nullptr;  // memory that a reset leaves alone; null: no history is kept
+  TuneMemory* tune = nullptr;     // null: no auto-tune
 };
 
 // A zero-initialised Application is valid storage (.bss); `begin` makes it work.
@@ -52,18 +55,20 @@ class Application {
   // Any context: a fault that only the target can see (the watchdog's reset, the stack's guard).
   void note_fault(FaultCode fault) { loop_.request_fault(fault); }
 
-  // Background: for ever, as often as possible. Bounded; long while it plans (see AxisCore::command) and while it
-  // designs (see add_shaper), but meanwhile the client is answered, the drive's state kept and the watchdog fed.
+  // Background: for ever, as often as possible. Bounded; long while it plans (see AxisCore::command), designs (see
+  // add_shaper) and identifies (see identify), but in the last two the client is answered meanwhile, the drive's state
+  // kept and the watchdog fed.
   void poll();
 
   // Background, for a target's own displays and for tests.
   const Drive& drive() const { return drive_; }
+  const TuneReport& tuning() const { return tuner_.report(); }
   const RtuCounters& client_counters() const { return client_.counters(); }
 
  private:
   static void advance(uint32_t& word) { store(word, word + 1); }
 
-  // All of `poll` that is short; also while a design runs.
+  // All of `poll` that is short; also while a design or an identification runs.
   void serve();
   static void serve_meanwhile(void* application);
   void feed_watchdog(uint32_t now);
@@ -73,6 +78,8 @@ class Application {
   ControlLoop loop_ = {};
   Drive drive_ = {};
   ShaperSettings shaper_ = {};
+  AutoTune tuner_ = {};
+  TuneSettings tuning_ = {};
   Parameters parameters_ = {};
   FaultLog faults_ = {};
   PositionStream stream_ = {};

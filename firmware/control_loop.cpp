@@ -131,6 +131,7 @@ void ControlLoop::take(const hal::ServoFeedback& feedback) {
     // Only neighbours tell a velocity; the subtraction wraps, as positions from outside may be anything.
     if (neighbours_) state_.position_change = wrapping_difference(position, state_.position);
     state_.position = position;
+    acceleration_ = feedback.acceleration;
     missing_in_a_row_ = 0;
   }
   state_.feedback_valid = usable;

@@ -9,6 +9,7 @@
 #include "hal/servo_port.hpp"
 #include "shaper/axis/axis_core.hpp"
 #include "shaper/base/shared.hpp"
+#include "shaper/tune/auto_tune.hpp"
 
 namespace stillpoint::firmware {
 
@@ -96,6 +97,8 @@ class ControlLoop {
 
   // After a tick that had not ended when the next was due. Two in a row are a fault.
   void note_overrun();
+  // What this tick saw, after it.
+  TuneSample sample() const { return {state_.axis.setpoint, state_.position, acceleration_, state_.feedback_valid}; }
 
   // Once a millisecond of the chip's own timer.
   void own_timer_tick();
@@ -143,6 +146,7 @@ class ControlLoop {
   uint32_t client_silent_ms_ = 0;
   uint32_t missing_in_a_row_ = 0;
   uint32_t silent_ms_ = 0;
+  int32_t acceleration_ = 0;  // newest valid feedback
   uint16_t last_sequence_ = 0;
   bool overrun_now_ = false;   // the newest tick
   bool overran_ = false;       // the one before

@@ -25,8 +25,8 @@ void Drive::write_controlword(uint16_t controlword) {
   if ((rising & kControlFaultReset) != 0 && state_ == DriveState::kFault) loop_->request_fault_clear();
   // Only in operation enabled: an edge before is lost, so that enabling never starts a move.
   if ((rising & kControlNewSetPoint) != 0 && state_ == DriveState::kOperationEnabled) {
-    set_point_waits_ = true;
-    parameters_->note_refusal(0, 0);
+    set_point_waits_ = !tuning_;
+    parameters_->note_refusal(tuning_ ? kReasonTuning : 0, tuning_ ? address_of(Register::kControlword) : 0);
   }
   service();
   const bool wants_feedback =
@@ -162,6 +162,17 @@ void Drive::enter(DriveState state) {
     velocity_waits_ = false;
     parameters_->set(Register::kTargetVelocity, 0);
   }
+}
+
+uint16_t Drive::reason_not_free() const {
+  if (state_ != DriveState::kOperationEnabled) return kReasonNotEnabled;
+  if (halt_asked()) return kReasonHalted;
+  return standing_ && !set_point_waits_ && !buffered_ && !velocity_waits_ ? 0 : kReasonNotStanding;
+}
+
+bool Drive::may_move() const {
+  return state_ == DriveState::kOperationEnabled && command_of(controlword_) == DriveCommand::kEnableOperation &&
+         !halt_asked();
 }
 
 uint16_t Drive::statusword() const {

@@ -50,6 +50,15 @@ class Drive {
   // As often as possible. Short.
   void service();
 
+  // While the auto-tune has the axis, set-points are refused.
+  void set_tuning(bool tuning) { tuning_ = tuning; }
+
+  // 0, or the reason (0012) why the axis cannot be lent to anybody now.
+  uint16_t reason_not_free() const;
+
+  // Operation enabled, and nothing asks for anything else.
+  bool may_move() const;
+
   // Plans and commands what waits: a set-point, another velocity. Long: see AxisCore::command. `shaper_waiting`: not
   // yet.
   void take_set_point(bool shaper_waiting);
@@ -105,7 +114,8 @@ class Drive {
   bool set_point_taken_ = false;  // bit 12
   bool buffered_ = false;         // `next_` is to follow the move in force; bit 12 too
   Move next_ = {};
-  bool moving_ = false;          // from taking a set-point until the axis stands
+  bool moving_ = false;  // from taking a set-point until the axis stands
+  bool tuning_ = false;
   bool given_up_ = false;        // the last move was stopped on its way
   int32_t velocity_ = 0;         // asked of the axis, in profile velocity
   bool velocity_waits_ = false;  // written, and neither taken nor refused yet

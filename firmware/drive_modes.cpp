@@ -5,7 +5,10 @@
 
 namespace stillpoint::firmware {
 
-void Drive::write_velocity() { velocity_waits_ = state_ == DriveState::kOperationEnabled; }
+void Drive::write_velocity() {
+  velocity_waits_ = state_ == DriveState::kOperationEnabled && !tuning_;
+  if (tuning_) parameters_->note_refusal(kReasonTuning, address_of(Register::kTargetVelocity));
+}
 
 void Drive::follow_mode() {
   if (homing_ && seen_.homings != homings_) {

@@ -2,6 +2,7 @@
 #include "firmware/default_axis.hpp"
 #include "firmware/parameters.hpp"
 #include "firmware/position_stream.hpp"
+#include "shaper/tune/auto_tune.hpp"
 
 namespace stillpoint::firmware {
 namespace {
@@ -98,6 +99,20 @@ constexpr Entry mode(uint32_t index, uint32_t offset) {
   }
 }
 
+// The same of a mode found.
+constexpr Entry found(uint32_t index, uint32_t offset) {
+  const R name = found_register(index, static_cast<FoundField>(offset));
+  switch (static_cast<FoundField>(offset)) {
+    case FoundField::kFrequency: return shown(name, T::kU32, 0, 0, "found mode: frequency", "1e-4 Hz");
+    case FoundField::kDamping: return shown(name, T::kU16, 0, 0, "found mode: damping ratio", "1e-5");
+    case FoundField::kAmplitude: return shown(name, T::kU16, 0, 0, "found mode: amplitude", "1/1000 of the strongest");
+    case FoundField::kFrequencyStd: return shown(name, T::kU16, 0, 0, "found mode: frequency std", "1e-4 Hz");
+    case FoundField::kDampingStd: return shown(name, T::kU16, 0, 0, "found mode: damping std", "1e-5");
+    case FoundField::kConfidence: return shown(name, T::kU16, 0, 0, "found mode: confidence", "%");
+    default: return shown(name, T::kU16, 0, 0, "reserved");
+  }
+}
+
 // clang-format off
 constexpr Entry kTable[kParameterCount] = {
     shown(R::kMapVersion, T::kU16, 0, kMapVersion, "map version"),
@@ -185,6 +200,46 @@ constexpr Entry kTable[kParameterCount] = {
     shown(R::kMoveProfileTicks, T::kU32, 0, 0, "last move: ticks of its profile", "ticks"),
     shown(R::kMoveTotalTicks, T::kU32, 0, 0, "last move: ticks until the shaped setpoint stands", "ticks"),
     shown(R::kMoveZeroDelayMet, T::kU16, 0, 0, "last move: shaped within the unshaped duration"),
+
+    command(R::kTuneCommand, 4, one_of(1, 2, 3) | one_of(4), Effect::kTune,
+            "auto-tune: 1 start, 2 abort, 3 accept, 4 undo"),
+    value(R::kTuneExcitation, T::kU16, 0, 0, kTuneExcitations - 1, 0, "auto-tune: excitation", ""),
+    value(R::kTuneAmplitude, T::kU32, 0, 1, kU32Max, 100000, "auto-tune: amplitude", "counts"),
+    value(R::kTuneTravel, T::kU32, 0, 1, kU32Max, 200000, "auto-tune: travel limit, either way", "counts"),
+    value(R::kTuneBandLow, T::kU16, 0, 1, kU16Max, 10, "auto-tune: band from", "0.1 Hz"),
+    value(R::kTuneBandHigh, T::kU16, 0, 1, kU16Max, 2000, "auto-tune: band to", "0.1 Hz"),
+    shown(R::kTuneState, T::kU16, 0, 0, "auto-tune: state"),
+    shown(R::kTuneProgress, T::kU16, 0, 0, "auto-tune: progress", "%"),
+    shown(R::kTuneResult, T::kU16, 0, 0, "auto-tune: result"),
+    shown(R::kTuneModeCount, T::kU16, 0, 0, "auto-tune: modes found"),
+    value(R::kTuneSourceWanted, T::kU16, 0, 0, kTuneSources - 1, 0, "auto-tune: source wanted", ""),
+    shown(R::kTuneSourceUsed, T::kU16, 0, 0, "auto-tune: source used"),
+    value(R::kTuneTolerance, T::kU16, 0, 10, 2000, 200, "auto-tune: residual wanted", "0.01 %"),
+    shown(R::kTuneResidual, T::kU16, 0, 0, "auto-tune: residual predicted", "0.01 %"),
+    found(0, 0), found(0, 2), found(0, 3), found(0, 4), found(0, 5), found(0, 6), found(0, 7),
+    found(1, 0), found(1, 2), found(1, 3), found(1, 4), found(1, 5), found(1, 6), found(1, 7),
+    found(2, 0), found(2, 2), found(2, 3), found(2, 4), found(2, 5), found(2, 6), found(2, 7),
+    found(3, 0), found(3, 2), found(3, 3), found(3, 4), found(3, 5), found(3, 6), found(3, 7),
+    // Of the excitation under way or done: what it will do, before it does.
+    shown(R::kTuneTravelAnnounced, T::kU32, 0, 0, "auto-tune will move: at most so far", "counts"),
+    shown(R::kTuneVelocityAnnounced, T::kU32, 0, 0, "auto-tune will move: peak velocity", "counts/s"),
+    shown(R::kTuneAccelerationAnnounced, T::kU32, 0, 0, "auto-tune will move: peak acceleration", "counts/s^2"),
+    shown(R::kTuneJerkAnnounced, T::kU32, 0, 0, "auto-tune will move: peak jerk", "1000 counts/s^3"),
+    shown(R::kTuneDurationMs, T::kU32, 0, 0, "auto-tune will move: for", "ms"),
+    shown(R::kTuneDelayUs, T::kU32, 0, 0, "auto-tune: delay of the shaper proposed", "us"),
+    shown(R::kTuneLengthUs, T::kU32, 0, 0, "auto-tune: length of the shaper proposed", "us"),
+    shown(R::kTuneGaps, T::kU32, 0, 0, "auto-tune: gaps in the record", "ticks"),
+    shown(R::kTuneSaturated, T::kU32, 0, 0, "auto-tune: sensor at its end", "ticks"),
+    // Root mean square, in raw steps of the accelerometer or in counts.
+    shown(R::kTunePlainRinging, T::kU32, 0, 0, "auto-tune: ringing after the plain move", "1e-3 steps or counts"),
+    shown(R::kTuneShapedRinging, T::kU32, 0, 0, "auto-tune: ringing after the shaped move", "1e-3 steps or counts"),
+    shown(R::kTuneSourceEnough, T::kU16, 0, 0, "auto-tune: the source tells the frequency well enough"),
+    shown(R::kTuneExcitedBy, T::kU16, 0, 0, "auto-tune: excitation that told, or was tried last"),
+    value(R::kTuneByItself, T::kU16, 0, 0, 1, 0, "auto-tune: accept by itself", ""),
+    value(R::kTuneLeadMs, T::kU16, 0, 0, kU16Max, 200, "auto-tune: from the announcement to the first motion", "ms"),
+    // Raw, what it reads at its ends. Low at or above high: it has none.
+    value(R::kTuneSensorLowest, T::kI32, 0, kI32Min, kI32Max, 0, "auto-tune: accelerometer's least", ""),
+    value(R::kTuneSensorHighest, T::kI32, 0, kI32Min, kI32Max, 0, "auto-tune: accelerometer's most", ""),
 };
 // clang-format on
 

@@ -27,7 +27,8 @@ enum class Effect : uint8_t {
   kAxisLimits,
   kWatch,
   kVelocity,
-  kShaperSet
+  kShaperSet,
+  kTune
 };
 
 struct Parameter {
@@ -48,7 +49,7 @@ struct Parameter {
   constexpr bool writable() const { return access != Access::kRead; }
 };
 
-constexpr size_t kParameterCount = 95;
+constexpr size_t kParameterCount = 154;
 constexpr size_t kNoParameter = kParameterCount;
 
 // What people are told of one.

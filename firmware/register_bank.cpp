@@ -6,6 +6,7 @@ namespace {
 
 constexpr uint16_t kApplyAtRest = 1;
 constexpr uint16_t kApplyBlended = 2;
+constexpr uint16_t kApplyDiscard = 3;
 constexpr uint32_t kAddressSpace = 0x10000;
 
 bool known_key(uint32_t key) {
@@ -157,19 +158,27 @@ ModbusException RegisterBank::check_state(const Request& request) {
   uint16_t reason = 0;
   Register culprit = kNoRegister;
   bool limits = false;
+  bool tune = false;
   const bool good = request.each([&](const Parameter& parameter, size_t) {
     culprit = parameter.name;
     if (parameter.lock == Lock::kNeedsKey && !unlocked_) reason = kReasonLocked;
     if (parameter.effect == Effect::kCommandKey) reason = key_refusal(request.value_of(parameter));
     limits = limits || parameter.effect == Effect::kAxisLimits;
+    tune = tune || parameter.effect == Effect::kTune;
+    const bool applies = parameter.effect == Effect::kApplyShaper && request.value_of(parameter) != kApplyDiscard;
+    if (reason == 0 && (limits || applies) && parts_.tuning->busy()) reason = kReasonTuning;
     return reason == 0;
   });
   if (!good) {
-    if (reason != kReasonLocked)
+    if (reason == kReasonNotAvailable)
       parts_.parameters->set(Register::kCommandResult, static_cast<uint32_t>(CommandResult::kFailed));
     return refuse_state(reason, culprit);
   }
-  if (!limits) return ModbusException::kNone;
+  if (tune) return do_tune(request);
+  return limits ? check_limits(request, culprit) : ModbusException::kNone;
+}
+
+ModbusException RegisterBank::check_limits(const Request& request, Register culprit) {
   const Status status = configure_axis(request);
   if (status.ok()) return ModbusException::kNone;
   if (status.error == Error::kBusy) return refuse_state(kReasonNotStanding, culprit);
@@ -189,6 +198,20 @@ uint16_t RegisterBank::key_refusal(uint32_t key) const {
 uint32_t RegisterBank::staged(const Request& request, Register name) const {
   const Parameter& parameter = kParameters[find_parameter(address_of(name))];
   return request.holds(parameter) ? request.value_of(parameter) : parts_.parameters->get(name);
+}
+
+// A start looks at what comes with it too.
+ModbusException RegisterBank::do_tune(const Request& request) {
+  Parameters staged = *parts_.parameters;
+  TuneCommand command = {};
+  request.each([&](const Parameter& parameter, size_t index) {
+    const uint32_t value = request.value_of(parameter);
+    if (parameter.effect == Effect::kTune) command = static_cast<TuneCommand>(value);
+    staged.set_value(index, value);
+    return true;
+  });
+  const bool done = parts_.tuning->command(command, staged, uptime_ms_);
+  return done ? ModbusException::kNone : ModbusException::kDeviceBusy;
 }
 
 // Refused while the axis moves, and then nothing has changed.
@@ -240,6 +263,7 @@ void RegisterBank::set_off(const Parameter& parameter, uint32_t value) {
       unlocked_at_ms_ = uptime_ms_;
       parts_.parameters->set(Register::kCommandResult, static_cast<uint32_t>(CommandResult::kDone));
       break;
+    case Effect::kTune:       // done as the last of the checks
     case Effect::kShaperSet:  // done before the others
     case Effect::kNone: break;
   }

@@ -10,6 +10,7 @@
 #include "firmware/parameters.hpp"
 #include "firmware/position_stream.hpp"
 #include "firmware/shaper_settings.hpp"
+#include "firmware/tuning.hpp"
 #include "shaper/axis/axis_core.hpp"
 
 namespace stillpoint::firmware {
@@ -30,6 +31,7 @@ class RegisterBank {
     ControlLoop* loop;
     Drive* drive;
     ShaperSettings* shaper;
+    TuneSettings* tuning;
     Parameters* parameters;
     const FaultLog* faults;
     PositionStream* stream;
@@ -62,7 +64,9 @@ class RegisterBank {
   ModbusException refuse_state(uint16_t reason, Register culprit);
   uint16_t key_refusal(uint32_t key) const;
   uint32_t staged(const Request& request, Register name) const;
+  ModbusException check_limits(const Request& request, Register culprit);
   Status configure_axis(const Request& request);
+  ModbusException do_tune(const Request& request);
   void commit(const Request& request);
   void set_off(const Parameter& parameter, uint32_t value);
 

@@ -25,6 +25,7 @@ ModbusException RegisterBank::read(uint16_t first, uint32_t count, uint16_t* wor
     }
   }
   refresh();
+  if (first + count > address_of(Register::kTuneState)) parts_.tuning->show();
   for (uint32_t i = 0; i < count; ++i) {
     const uint32_t address = first + i;
     if (in_fault_history(address)) {

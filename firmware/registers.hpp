@@ -78,6 +78,38 @@ enum class Register : uint16_t {
   kMoveProfileTicks = 0x013A,
   kMoveTotalTicks = 0x013C,
   kMoveZeroDelayMet = 0x013E,
+  kTuneCommand = 0x0200,
+  kTuneExcitation = 0x0201,
+  kTuneAmplitude = 0x0202,
+  kTuneTravel = 0x0204,
+  kTuneBandLow = 0x0206,
+  kTuneBandHigh = 0x0207,
+  kTuneState = 0x0208,
+  kTuneProgress = 0x0209,
+  kTuneResult = 0x020A,
+  kTuneModeCount = 0x020B,
+  kTuneSourceWanted = 0x020C,
+  kTuneSourceUsed = 0x020D,
+  kTuneTolerance = 0x020E,
+  kTuneResidual = 0x020F,
+  kFirstFoundMode = 0x0210,
+  kTuneTravelAnnounced = 0x0230,
+  kTuneVelocityAnnounced = 0x0232,
+  kTuneAccelerationAnnounced = 0x0234,
+  kTuneJerkAnnounced = 0x0236,
+  kTuneDurationMs = 0x0238,
+  kTuneDelayUs = 0x023A,
+  kTuneLengthUs = 0x023C,
+  kTuneGaps = 0x023E,
+  kTuneSaturated = 0x0240,
+  kTunePlainRinging = 0x0242,
+  kTuneShapedRinging = 0x0244,
+  kTuneSourceEnough = 0x0246,
+  kTuneExcitedBy = 0x0247,
+  kTuneByItself = 0x0248,
+  kTuneLeadMs = 0x0249,
+  kTuneSensorLowest = 0x024A,
+  kTuneSensorHighest = 0x024C,
 };
 
 constexpr Register kNoRegister = Register::kMapVersion;  // never written, so never the cause or the limit of anything
@@ -109,6 +141,24 @@ enum class ModeField : uint16_t {
 constexpr Register mode_register(uint32_t mode, ModeField field) {
   return static_cast<Register>(address_of(Register::kFirstMode) + kModeStride * mode + static_cast<uint32_t>(field));
 }
+
+// The modes that an auto-tune found, from kFirstFoundMode on, as far apart.
+enum class FoundField : uint16_t {
+  kFrequency = 0,
+  kDamping = 2,
+  kAmplitude = 3,
+  kFrequencyStd = 4,
+  kDampingStd = 5,
+  kConfidence = 6,
+  kReserved = 7
+};
+
+constexpr Register found_register(uint32_t mode, FoundField field) {
+  return static_cast<Register>(address_of(Register::kFirstFoundMode) + kModeStride * mode +
+                               static_cast<uint32_t>(field));
+}
+
+enum class TuneCommand : uint16_t { kStart = 1, kAbort = 2, kAccept = 3, kUndo = 4 };
 
 constexpr uint16_t kMapVersion = 0x0100;
 constexpr uint16_t kProduct = 0x5350;          // "SP"
@@ -164,6 +214,9 @@ constexpr uint16_t kReasonNotAvailable = 0x8400;  // this firmware cannot do it
 constexpr uint16_t kReasonStreamFull = 0x8600;    // no room for so many positions: 0016 has how many
 constexpr uint16_t kReasonStreamEmpty = 0x8601;   // a stream begins with a position where the axis stands
 constexpr uint16_t kReasonOutOfRange = 0x8500;    // exception 03: 0016 has the nearest value accepted
+constexpr uint16_t kReasonNotEnabled = 0x9000;    // only in operation enabled
+constexpr uint16_t kReasonTuning = 0x9100;        // the auto-tune has the axis
+constexpr uint16_t kReasonNothingToDo = 0x9200;   // the auto-tune has nothing to accept, or to undo
 
 constexpr uint16_t reason_of(Error error, Quantity quantity) {
   return static_cast<uint16_t>((static_cast<uint32_t>(error) << 8) | static_cast<uint32_t>(quantity));

@@ -24,6 +24,14 @@ ShaperSpec spec_of(const uint32_t (&fields)[5]) {
           fields[kSpacing] / kSpacingPerPeriod, nullptr};
 }
 
+void write_fields(const ShaperSpec& spec, uint32_t (&fields)[5]) {
+  fields[kFrequency] = register_floor(spec.mode.frequency_hz * kFrequencyPerHz + 0.5);
+  fields[kDamping] = register_floor(spec.mode.damping_ratio * kDampingPerOne + 0.5);
+  fields[kTolerance] = register_floor(spec.tolerance * kTolerancePerOne + 0.5);
+  fields[kKind] = static_cast<uint32_t>(spec.kind);
+  fields[kSpacing] = register_floor(spec.spacing * kSpacingPerPeriod + 0.5);
+}
+
 }  // namespace
 
 void ShaperSettings::begin(AxisCore& axis, Parameters& parameters, Meanwhile meanwhile) {
@@ -109,8 +117,34 @@ void ShaperSettings::hand_over() {
 
 void ShaperSettings::finish() {
   waiting_ = false;
+  adopted_ = false;
   set_in_force_ = wanted_set_;
   sets_[wanted_set_].in_force = sets_[wanted_set_].designed;
+  show_in_force();
+}
+
+void ShaperSettings::adopt(const ShaperSpec* specs, uint32_t count) {
+  Staged staged = {};
+  staged.count = count < kMaxModes ? count : kMaxModes;
+  for (uint32_t k = 0; k < staged.count; ++k) write_fields(specs[k], staged.fields[k]);
+  before_ = sets_[set_in_force_].in_force;
+  take_over(staged);
+  adopted_ = true;
+}
+
+void ShaperSettings::give_back() {
+  take_over(before_);
+  adopted_ = false;
+}
+
+// The design is the one that runs, not one made again from registers, which are rounded.
+void ShaperSettings::take_over(const Staged& staged) {
+  Set& set = sets_[set_in_force_];
+  set.designed = staged;
+  set.in_force = staged;
+  set.staged = staged;
+  if (shown_ == set_in_force_) write_staged(staged);
+  (void)prepared_.store(set_in_force_, axis_->shaper());
   show_in_force();
 }
 

@@ -38,6 +38,16 @@ class ShaperSettings {
   // (BlendSearch).
   void service();
 
+  // What runs since the axis was tuned came from elsewhere, made of these: it becomes the set in force, what was staged
+  // and in force of that is put aside. At most kMaxModes.
+  void adopt(const ShaperSpec* specs, uint32_t count);
+
+  // The shaper before `adopt` runs again, and the set is as it was when it was in force.
+  void give_back();
+
+  // Nothing else has come into force since.
+  bool adopted() const { return adopted_; }
+
   // Something applied is not in force yet; a move now would be run with the old shaper.
   bool waiting() const { return apply_requested_ || designing_ || waiting_; }
 
@@ -53,6 +63,7 @@ class ShaperSettings {
     Staged in_force;  // the last of this set that was
   };
 
+  void take_over(const Staged& staged);
   static bool same(const Staged& a, const Staged& b);
   Staged read_staged() const;
   void write_staged(const Staged& staged);
@@ -82,6 +93,8 @@ class ShaperSettings {
   Retune when_ = Retune::kAtRest;
 
   uint32_t set_in_force_ = 0;
+  bool adopted_ = false;
+  Staged before_ = {};  // adopt
   Set sets_[kShaperSets] = {};
   ShaperSets<kShaperSets> prepared_ = {};
 };

@@ -25,14 +25,6 @@ double windowed_residual(const Record& record, const DecayModel& model, double d
   return sum;
 }
 
-bool power_of_residual(const Record& record, const DecayModel& model, double decay, double* buffer, size_t size,
-                       double& weight) {
-  weight = windowed_residual(record, model, decay, buffer, size);
-  if (!real_fft(buffer, size)) return false;
-  to_power(buffer, size);
-  return true;
-}
-
 // Nearer to a mode there is, than that two could be told apart.
 bool is_taken(const DecayModel& model, double angle) {
   for (size_t k = 0; k < model.count; ++k) {
@@ -79,6 +71,14 @@ double median(const double* power, size_t first, size_t last) {
 }
 
 }  // namespace
+
+bool power_of_residual(const Record& record, const DecayModel& model, double decay, double* buffer, size_t size,
+                       double& weight) {
+  weight = windowed_residual(record, model, decay, buffer, size);
+  if (!real_fft(buffer, size)) return false;
+  to_power(buffer, size);
+  return true;
+}
 
 void NoiseFloor::take(const double* power, size_t size, const Record& record) {
   bands = 0;

@@ -58,7 +58,12 @@ struct Refused {
 Candidates find_candidates(const Record& record, const DecayModel& model, const Refused& refused, double* buffer,
                            size_t size, const Meanwhile& meanwhile);
 
-// What `model` leaves of the record, as a power spectrum without a window, in buffer[0 .. size / 2].
+// What `model` leaves of the record, times exp(-decay x), as a power spectrum in buffer[0 .. size / 2]; `weight` is the
+// sum of the window's squares. False unless is_fft_size(size).
+[[nodiscard]] bool power_of_residual(const Record& record, const DecayModel& model, double decay, double* buffer,
+                                     size_t size, double& weight);
+
+// The same without a window.
 void residual_spectrum(const Record& record, const DecayModel& model, double* buffer, size_t size);
 
 }  // namespace stillpoint

@@ -20,6 +20,9 @@ struct IdentifyMemory {
 struct IdentifyScratch {
   template <size_t kSamples>
   explicit IdentifyScratch(IdentifyMemory<kSamples>& memory) : fit(memory.fit), buffer(memory.buffer), size(kSamples) {}
+  // `memory_size`: a power of two of doubles.
+  IdentifyScratch(DecayFit& memory_fit, double* memory, size_t memory_size)
+      : fit(memory_fit), buffer(memory), size(memory_size) {}
 
   DecayFit& fit;
   double* buffer;

@@ -10,20 +10,14 @@
 #include "shaper/identify/capture.hpp"
 #include "shaper/identify/excitation.hpp"
 #include "shaper/identify/identify.hpp"
-#include "shaper/shaping/shaper_spec.hpp"
+#include "shaper/tune/choose.hpp"
+#include "shaper/tune/rest_watch.hpp"
+#include "shaper/tune/ringing.hpp"
+#include "shaper/tune/tune_plan.hpp"
 
 namespace stillpoint {
 
-// The numbers of all these are the drive's register values: never renumbered.
-
-// kAuto: the move, and if its ringing does not tell, the bump, and then the stepped sine.
-enum class TuneExcitation : uint8_t { kAuto, kMove, kBump, kSteppedSine, kChirp };
-constexpr uint32_t kTuneExcitations = 5;
-
-// kAuto: the accelerometer where it has ever read two different values, else the following error.
-enum class TuneSource : uint8_t { kAuto, kAccelerometer, kFollowingError };
-constexpr uint32_t kTuneSources = 3;
-
+// The numbers are the drive's register values: never renumbered.
 // kProposed waits for accept, undo or abort. kKept, kUndone, kFailed and kIdle are where it ends.
 enum class TuneState : uint8_t {
   kIdle,
@@ -38,43 +32,24 @@ enum class TuneState : uint8_t {
   kFailed  // `finding` says why
 };
 
-struct TuneConfig {
-  TuneExcitation excitation;
-  TuneSource source;
-  // The move that excites and, back to where it began, verifies. Its target may be on either side; its limits are those
-  // of every excitation. With a zero_delay the verification is so too.
-  Move move;
-  double amplitude_counts;  // of the bump, the sine and the chirp
-  double travel_counts;     // no excitation leaves [start - travel, start + travel]; the move neither
-  double low_hz;            // the band in which modes are looked for
-  double high_hz;
-  double tolerance;       // residual ratio wanted over what is not known of the modes
-  bool accept_by_itself;  // goes on from kProposed
-};
-
-// What is proposed: a ZV or its relatives a mode, robust by as much as the mode is uncertain.
-struct TuneProposal {
-  uint32_t spec_count;  // 0: nothing
-  ShaperSpec specs[kMostComponents];
-  double delay_s;  // centroid
-  double length_s;
-  double residual;  // predicted: the worst over what is not known of any mode, weighted by its part in the ringing
-};
-
+// `source_enough`: the deviations of f and zeta that the source gave are so small that the shaper proposed keeps the
+// tolerance wherever in two of them either way the modes may be. For the following error, which shows the arm only as far
+// as it shakes its motor, that is the question whether an accelerometer is needed.
 struct TuneReport {
   TuneState state;
   uint32_t progress_percent;
   TuneExcitation excited_by;      // what told, or was tried last
   TuneSource source;              // that was listened to
-  bool source_enough;             // of the following error: it tells f as well as a shaper needs it
+  bool source_enough;             // see below
   Announcement announced;         // of the excitation under way or done
   Identification identification;  // its finding is that of the whole, also kTravelLimit and kAborted
   CaptureFlaws flaws;             // of the record it is from
   TuneProposal proposal;
-  double
-      plain_ringing;  // root mean square of the record after the plain move, of its modes alone, in the sensor's unit
-  double shaped_ringing;  // after the shaped one; both 0 until then
-  Status refusal;         // of the axis, where that ended it
+  // Root mean square of the ringing after the plain move, less noise (see ringing_of), in raw steps of the
+  // accelerometer or in counts; and the most that it may be after the shaped one. 0 until then.
+  double plain_ringing;
+  double shaped_ringing;
+  Status refusal;  // of the axis, where that ended it
 };
 
 // What one tick saw.
@@ -93,10 +68,19 @@ struct TuneMemory {
   DecayFit fit;
 };
 
-// Owns the axis while `busy`: whoever commands it besides gets kBusy, or aborts the tuning first. A stop or fault from
-// elsewhere aborts it.
+// Owns the axis while `busy`: whoever commands it besides gets kBusy, or aborts the tuning first. A stop, or a reset
+// that puts the axis elsewhere while it moves or listens, aborts it.
 //
-// `tick` is the tick's, after AxisCore::tick; everything else is the background's. Zero-initialised storage is valid.
+// What it does: takes the shaper in force off, moves to the target, records from where axis and motor rest, identifies,
+// chooses, waits for `accept`, applies at rest, waits until the plain ringing has faded to a tenth (a minute at most),
+// moves back and compares: the shaper is kept where the shaped ringing is at most half of the plain one, whatever noise
+// may hide, and is undone otherwise. A record with gaps in more than 1 % of its ticks, or that looks clipped, is taken
+// again once, on the way back. An ending other than kKept has the shaper of before in force; the axis then stands
+// where its last motion led. `service` must be called for an abort to be heard; it does not return while it identifies.
+// A refusal of the axis ends it as kFailed, kAborted, with `refusal`.
+//
+// `tick` is the tick's, after AxisCore::tick; everything else is the background's. AxisCore::service is the caller's to
+// call. Zero-initialised storage is valid. RAM: 2 KB, and TuneMemory.
 class AutoTune {
  public:
   void begin(AxisCore& axis, TuneMemory& memory);
@@ -125,7 +109,59 @@ class AutoTune {
   void tick(const TuneSample& sample);
 
  private:
+  enum class Step : uint8_t { kNone, kUnshape, kMove, kListen, kLook, kApply, kRestore };
+
+  uint32_t progress_percent() const;
+  bool at_rest() const;
+  bool is_disturbed() const;
+  void take_step(const Meanwhile& meanwhile);
+  void take_off_shaper();
+  void send_move();
+  Status start_listening();
+  void listen();
+  void look(const Meanwhile& meanwhile);
+  bool record_is_flawed();
+  void give_up_record(Finding finding);
+  void look_at_plain(const Record& record, const IdentifyScratch& scratch, const Meanwhile& meanwhile);
+  void look_at_shaped(const Record& record, const IdentifyScratch& scratch, const Meanwhile& meanwhile);
+  Ringing ringing(const Record& record, const IdentifyScratch& scratch, const Meanwhile& meanwhile) const;
+  void drop_modes_outside_band();
+  void apply(const Meanwhile& meanwhile);
+  void put_back();
+  void stop_listening();
+  void end(TuneState state);
+  void fail(Finding finding);
+  void refused(const Status& status);
+  int32_t value_of(const TuneSample& sample) const;
+
+  AxisCore* axis_ = nullptr;
+  TuneMemory* memory_ = nullptr;
+  TuneConfig config_ = {};
+  TunePlan plan_ = {};
+  ShaperDesign before_ = {};  // in force when it began
+  Step step_ = Step::kNone;
+  TuneState ends_as_ = TuneState::kIdle;  // once the shaper of before is back
+  bool verifying_ = false;
+  bool is_out_ = false;          // stands where the move leads
+  bool shaper_changed_ = false;  // `before_` is not in force
+  bool handed_over_ = false;     // the shaper that the step is about
+  bool taken_again_ = false;     // a record that was flawed
+  bool working_ = false;         // `meanwhile` may call everything but service
+  bool abort_asked_ = false;
+  uint32_t faded_at_ = 0;  // the axis's tick: the plain ringing would be in the way of the shaped one
+  Signal expected_ = 0;    // where the motion under way ends
   TuneReport report_ = {};
+
+  // Shared with the tick.
+  uint32_t listens_ = 0;
+  uint32_t to_error_ = 0;     // the following error, not the accelerometer
+  uint32_t accelerates_ = 0;  // the accelerometer has read two different values
+  uint32_t stopped_ = 0;      // a quick stop was seen
+  RestWatch watch_;
+  Capture capture_;
+  // The tick's own.
+  bool has_first_ = false;
+  int32_t first_ = 0;
 };
 
 }  // namespace stillpoint

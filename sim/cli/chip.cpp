@@ -6,13 +6,9 @@
 #include "sim/cli/chip_client.hpp"
 #include "sim/cli/register_values.hpp"
 #include "sim/hil/session.hpp"
-#include "sim/refusal.hpp"
 
 namespace stillpoint::cli {
 namespace {
-
-// Runs again on a fresh chip when this process was kept from running for so long that the drive gave up on it.
-constexpr int kAttempts = 5;
 
 // Watches what the chip says, tick by tick.
 class Recorder {
@@ -78,13 +74,7 @@ ChipRun run_once(const std::string& elf, const sim::MoveTask& task, const std::v
 
 ChipRun run_on_chip(const std::string& elf, const sim::MoveTask& task, const std::vector<sim::SpecifiedShaper>& specs,
                     const sim::ArmModes& arm, Progress& progress) {
-  for (int attempt = 1;; ++attempt) {
-    try {
-      return run_once(elf, task, specs, arm, progress);
-    } catch (const sim::Refusal& refusal) {
-      if (refusal.result() != kHostTooSlow || attempt == kAttempts) throw;
-    }
-  }
+  return on_a_fast_enough_host([&] { return run_once(elf, task, specs, arm, progress); });
 }
 
 }  // namespace stillpoint::cli

@@ -10,6 +10,7 @@
 #include "shaper/axis/axis_config.hpp"
 #include "sim/cli/register_values.hpp"
 #include "sim/hil/register_port.hpp"
+#include "sim/refusal.hpp"
 
 namespace stillpoint::cli {
 
@@ -48,5 +49,18 @@ class ChipClient {
 
   sim::RegisterPort& port_;
 };
+
+// `run` on a fresh chip, again when this process was kept from running for so long that the drive gave up on it.
+template <typename Run>
+auto on_a_fast_enough_host(const Run& run) {
+  constexpr int kAttempts = 5;
+  for (int attempt = 1;; ++attempt) {
+    try {
+      return run();
+    } catch (const sim::Refusal& refusal) {
+      if (refusal.result() != kHostTooSlow || attempt == kAttempts) throw;
+    }
+  }
+}
 
 }  // namespace stillpoint::cli

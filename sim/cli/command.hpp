@@ -63,6 +63,7 @@ void add_group(Commands& commands, Output& output);
 void add_identify(Commands& commands, Output& output);
 void add_shape(Commands& commands);
 void add_move(Commands& commands, Output& output);
+void add_tune(Commands& commands, Output& output);
 void add_hil(Commands& commands, Output& output);
 void add_drive(Commands& commands, Output& output);
 void add_emulate(Commands& commands);

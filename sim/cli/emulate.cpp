@@ -54,7 +54,7 @@ class HostSteps final : public Steps {
  public:
   HostSteps(sim::SimulatedDrive& drive, sim::PseudoTerminal& client) {
     sim::require(axis_.configure(firmware::kDefaultAxis));
-    application_.begin(axis_, {&drive, &client, &watchdog_, &faults_});
+    application_.begin(axis_, {&drive, &client, &watchdog_, &faults_, &tune_memory_});
   }
   void step() override {
     application_.tick();
@@ -68,6 +68,7 @@ class HostSteps final : public Steps {
   Axis<firmware::kLineCapacity> axis_ = {};
   firmware::Application application_ = {};
   firmware::FaultMemory faults_ = {};
+  TuneMemory tune_memory_ = {};
   NoWatchdog watchdog_;
 };
 

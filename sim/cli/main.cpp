@@ -17,6 +17,7 @@ int main(int argc, char** argv) {
   stillpoint::cli::add_identify(commands, output);
   stillpoint::cli::add_shape(commands);
   stillpoint::cli::add_move(commands, output);
+  stillpoint::cli::add_tune(commands, output);
   stillpoint::cli::add_hil(commands, output);
   stillpoint::cli::add_drive(commands, output);
   stillpoint::cli::add_emulate(commands);

@@ -17,6 +17,7 @@ constexpr double kFrequencyPerHz = 1e4;
 constexpr double kDampingPerOne = 1e5;
 constexpr double kTolerancePerOne = 1e4;
 constexpr double kSpacingPerPeriod = 1e4;
+constexpr double kBandPerHz = 10.0;
 constexpr int16_t kTrapezoidType = 0;
 constexpr int16_t kSin2Type = 1;
 constexpr int16_t kSCurveType = 3;
@@ -107,11 +108,37 @@ std::vector<ModeRegisters> registers_of(const std::vector<sim::SpecifiedShaper>&
   return all;
 }
 
+TuneRegisters tune_registers_of(const sim::TuneTask& task) {
+  constexpr double kMost = UINT32_MAX;
+  const double unit = task.move.counts_per_unit;
+  const bool by_move = task.excitation == TuneExcitation::kAuto || task.excitation == TuneExcitation::kMove;
+  const double amplitude = by_move ? std::abs(static_cast<double>(task.move.distance_counts)) : task.amplitude_counts;
+  const auto band = [](double hz) {
+    return static_cast<uint16_t>(to_register("--band", hz * kBandPerHz, kBandPerHz, 1.0, UINT16_MAX));
+  };
+  TuneRegisters registers{};
+  registers.excitation = static_cast<uint16_t>(task.excitation);
+  registers.amplitude = to_register("--amplitude", amplitude, unit, 1.0, kMost);
+  registers.travel = to_register("--travel", task.travel_counts, unit, 1.0, kMost);
+  registers.band_low = band(task.low_hz);
+  registers.band_high = band(task.high_hz);
+  registers.source = static_cast<uint16_t>(task.source);
+  registers.tolerance =
+      static_cast<uint16_t>(to_register("--tolerance", task.tolerance * kTolerancePerOne, kTolerancePerOne, 10, 2000));
+  return registers;
+}
+
+sim::SpecifiedShaper specified(const ModeRegisters& mode) {
+  const Mode of{mode.frequency / kFrequencyPerHz, mode.damping / kDampingPerOne};
+  sim::SpecifiedShaper spec = sim::shaper_spec(static_cast<ShaperKind>(mode.kind), of);
+  // 0: left out.
+  if (mode.tolerance != 0) spec.tolerance = mode.tolerance / kTolerancePerOne;
+  if (mode.spacing != 0) spec.spacing = mode.spacing / kSpacingPerPeriod;
+  return spec;
+}
+
 void round_to_registers(sim::SpecifiedShaper& spec) {
-  const ModeRegisters mode = registers_of(std::vector<sim::SpecifiedShaper>{spec})[0];
-  spec.mode = {mode.frequency / kFrequencyPerHz, mode.damping / kDampingPerOne};
-  spec.tolerance = mode.tolerance / kTolerancePerOne;
-  spec.spacing = mode.spacing / kSpacingPerPeriod;
+  spec = specified(registers_of(std::vector<sim::SpecifiedShaper>{spec})[0]);
 }
 
 MoveJob rounded(const MoveJob& job) {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "sim/cli/move_job.hpp"
+#include "sim/tuning.hpp"
 
 namespace stillpoint::cli {
 
@@ -29,9 +30,24 @@ struct MoveRegisters {
   uint16_t zero_delay;
 };
 
+// Registers 0201 on.
+struct TuneRegisters {
+  uint16_t excitation;
+  uint32_t amplitude;  // counts; where the move excites, its distance
+  uint32_t travel;     // counts
+  uint16_t band_low;   // 0.1 Hz
+  uint16_t band_high;
+  uint16_t source;
+  uint16_t tolerance;  // 0.01 %
+};
+TuneRegisters tune_registers_of(const sim::TuneTask& task);
+
 // Each to the nearest register value. Refuses what no register can hold, and a tick that is not the firmware's.
 MoveRegisters registers_of(const sim::MoveTask& task);
 std::vector<ModeRegisters> registers_of(const std::vector<sim::SpecifiedShaper>& specs);
+
+// What the registers of a mode say.
+sim::SpecifiedShaper specified(const ModeRegisters& mode);
 
 // The specification as its registers have it. Refuses as registers_of.
 void round_to_registers(sim::SpecifiedShaper& spec);

@@ -6,6 +6,7 @@
 #include <stdint.h>
 
 #include <deque>
+#include <functional>
 #include <initializer_list>
 #include <vector>
 
@@ -44,8 +45,10 @@ struct Line final : hal::ByteStream {
   std::deque<uint8_t> to_drive;
   Bytes from_drive;
   size_t room = SIZE_MAX;  // bytes that the line takes until it is given more
+  std::function<void()> on_read;
 
   bool read(uint8_t& byte) override {
+    if (on_read) on_read();
     if (to_drive.empty()) return false;
     byte = to_drive.front();
     to_drive.pop_front();
@@ -96,9 +99,12 @@ struct Rig {
   Dog dog;
   firmware::FaultMemory faults = {};
 
-  Rig() {
+  TuneMemory tune_memory;
+
+  Rig() : Rig(servo) {}
+  explicit Rig(hal::ServoPort& port) {
     TEST_ASSERT_OK(axis.configure(firmware::kDefaultAxis));
-    drive.begin(axis, {&servo, &line, &dog, &faults});
+    drive.begin(axis, {&port, &line, &dog, &faults, &tune_memory});
     step(2);
   }
 

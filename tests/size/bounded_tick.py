@@ -97,7 +97,7 @@ def leaves(one):
 
 def pads(one):
     """Between functions: the assembler's nops, the linker's zeros."""
-    return one.name == "nop" or (one.name, one.operands) == ("movs", "r0, r0")
+    return one.name in ("nop", "nop.w") or (one.name, one.operands) == ("movs", "r0, r0")
 
 
 def examine(image):

@@ -25,6 +25,7 @@ constexpr TickSource kTickSource = TickSource::kServoLink;
 // All zeros until main: .bss, no flash, no constructor at run time.
 Axis<firmware::kLineCapacity> axis;
 firmware::Application application;
+TuneMemory tune_memory;
 ClientBuffers client_buffers;
 ServoLinkState servo_link_state;
 __attribute__((section(".noinit"))) firmware::FaultMemory fault_memory;
@@ -77,7 +78,7 @@ int main() {
   watchdog.start();
   const Clock clock = start_clock();
   if (!axis.configure(firmware::kDefaultAxis).ok()) safe_state();
-  application.begin(axis, {&servo_link_port, &client_stream, &watchdog, &fault_memory});
+  application.begin(axis, {&servo_link_port, &client_stream, &watchdog, &fault_memory, &tune_memory});
   if (bitten) application.note_fault(firmware::FaultCode::kWatchdog);
   client_stream.set_up(clock.apb2_hz);
   servo_link_port.set_up(clock.apb1_hz);

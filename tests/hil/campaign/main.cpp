@@ -76,6 +76,7 @@ class NoWatchdog final : public hal::Watchdog {
 Lines lines;
 Axis<firmware::kLineCapacity> axis;
 firmware::Application application;
+TuneMemory tune_memory;
 RecordPort servo_port(lines);
 RecordStream client_stream(lines);
 NoWatchdog watchdog;
@@ -162,7 +163,7 @@ void systick_handler() {
 
 int main() {
   if (!axis.configure(firmware::kDefaultAxis).ok()) fail("the axis refused its configuration");
-  application.begin(axis, {&servo_port, &client_stream, &watchdog});
+  application.begin(axis, {&servo_port, &client_stream, &watchdog, nullptr, &tune_memory});
   open_lines();
   const uint32_t before = timer_counts();
   lines.counting_cost = timer_counts() - before;

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+// Modes that change slowly, followed from one move's ringing to the next. Background; doubles.
+#pragma once
+
+#include <stddef.h>
+
+#include "shaper/identify/identification.hpp"
+#include "shaper/shaping/mode.hpp"
+
+namespace stillpoint {
+
+// Frequency and damping of each mode, moved towards what a record says of it by as much as that is surer than what is
+// known: a scalar Kalman filter of a random walk, its gain kept between kLeastGain (so that it never stops following)
+// and kMostGain (so that no single record carries it away). A record that lies further off than kOutlier deviations is
+// left out, but makes what is known less sure, so that an arm that did change is believed after a few. Neither leaves
+// the bounds around where it began. Zero-initialised it is off and has no modes.
+class ModeTracker {
+ public:
+  static constexpr double kLeastGain = 0.02;
+  static constexpr double kMostGain = 0.5;
+  static constexpr double kOutlier = 4.0;
+  static constexpr double kFrequencyBound = 0.2;  // of where it began, either way
+  static constexpr double kDampingBound = 0.8;
+  static constexpr double kFrequencyWalk = 2e-3;  // from one record to the next, standard deviation over the start
+  static constexpr double kDampingWalk = 0.05;
+  static constexpr double kLeastConfidence = 0.5;  // of a mode that says anything
+
+  // `count` valid modes at most kMostComponents, rising or not; those beyond are not followed. Off until `enable`.
+  void begin(const Mode* modes, size_t count);
+  void enable(bool on) { on_ = on; }
+
+  // After a move. True where a mode was moved. Takes modes that are viscous or not, found with enough confidence within
+  // the bounds, each the nearest of those followed; anything else, and everything while it is off, changes nothing.
+  bool follow(const Identification& found);
+
+  size_t count() const { return count_; }
+  Mode mode(size_t k) const { return {state_[k].frequency.value, state_[k].damping.value}; }
+  size_t left_out() const { return left_out_; }  // outliers, since `begin`
+
+ private:
+  struct Estimate {
+    double value;
+    double variance;
+    double walk;  // variance a record
+    double low;
+    double high;
+
+    void begin(double at, double walk_std, double bound);
+    bool is_outlier(double measured, double variance_of_it) const;
+    void move(double measured, double variance_of_it);
+  };
+  struct Tracked {
+    Estimate frequency;
+    Estimate damping;
+  };
+
+  bool follow_one(const IdentifiedMode& mode);
+
+  bool on_ = false;
+  size_t count_ = 0;
+  size_t left_out_ = 0;
+  Tracked state_[kMostComponents] = {};
+};
+
+}  // namespace stillpoint
