@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Flash and RAM, as tables; fails above the stated budgets.
 
-usage: size_report.py library BUILD_TREE   the shaper library by module, everything in it counted, used or not
-       size_report.py image BUILD_TREE     the firmware by library and module, as linked
+usage: size_report.py library BUILD_TREE        the shaper library by module, everything in it counted, used or not
+       size_report.py image BUILD_TREE [NAME]   the firmware by library and module, as linked (stillpoint)
 """
 import collections
 import pathlib
@@ -63,14 +63,14 @@ def module_of(file, tree, modules):
     return library.removesuffix(".a")
 
 
-def by_module_of_image(tree):
+def by_module_of_image(tree, name):
     modules = {}
     for folder, library in (("shaper", "libstillpoint_shaper.a"), ("firmware", "libstillpoint_firmware.a")):
         for home in (tree / folder / "CMakeFiles").glob("*.dir"):
             for path in home.rglob("*.obj"):
                 modules[library, path.name] = (pathlib.Path(folder) / path.relative_to(home).parent).as_posix()
     sizes = collections.defaultdict(lambda: [0, 0])
-    text = (tree / "stillpoint.map").read_text().split("Linker script and memory map")[1]
+    text = (tree / f"{name}.map").read_text().split("Linker script and memory map")[1]
     output = None
     # A name too long for its column goes on in the next line.
     for line in re.sub(r"(?m)^( \S+)\n +(?=0x)", r"\1 ", text).splitlines():
@@ -87,15 +87,16 @@ def by_module_of_image(tree):
     return sizes
 
 
-def linked(tree):
-    sections = {section.name: section.size for section in elf.Elf(tree / "stillpoint.elf").sections if section.allocated}
+def linked(tree, name):
+    sections = {section.name: section.size for section in elf.Elf(tree / f"{name}.elf").sections if section.allocated}
     blank = sections.get(".bss", 0) + sections.get(".noinit", 0)
     return [sum(sections.values()) - blank, sections.get(".data", 0) + blank]
 
 
 def main():
     what, tree = sys.argv[1], pathlib.Path(sys.argv[2])
-    sizes = by_module_of_library(tree) if what == "library" else by_module_of_image(tree)
+    name = sys.argv[3] if len(sys.argv) > 3 else "stillpoint"
+    sizes = by_module_of_library(tree) if what == "library" else by_module_of_image(tree, name)
     print(f"{'module':24}{'flash':>8}{'RAM':>8}   bytes")
     for module, (flash, ram) in sorted(sizes.items()):
         if flash or ram:
@@ -103,8 +104,8 @@ def main():
     total = [sum(used[kind] for used in sizes.values()) for kind in (FLASH, RAM)]
     print(f"{'total':24}{total[FLASH]:8}{total[RAM]:8}")
     print(f"{'budget':24}{BUDGET[what][FLASH]:8}{BUDGET[what][RAM]:8}")
-    if what == "image" and total != linked(tree):
-        sys.exit(f"error: the table misses something: the image has {linked(tree)}")
+    if what == "image" and total != linked(tree, name):
+        sys.exit(f"error: the table misses something: the image has {linked(tree, name)}")
     for module, most in MODULE_BUDGET.items() if what == "library" else ():
         print(f"{'budget of ' + module:24}{most:8}")
         if not 0 < sizes[module][FLASH] <= most:

@@ -24,7 +24,9 @@ struct Rcc {  // RM0090 7.3
   static constexpr uint32_t kCfgrApb1By4 = 5u << 10, kCfgrApb2By2 = 4u << 13;
   static constexpr uint32_t kAhb1GpioA = 1u << 0, kAhb1GpioC = 1u << 2;
   static constexpr uint32_t kApb1Usart2 = 1u << 17;
+  static constexpr uint32_t kApb1Timer2 = 1u << 0;
   static constexpr uint32_t kApb2Usart1 = 1u << 4;
+  static constexpr uint32_t kApb2Timer1 = 1u << 0;
   static constexpr uint32_t kCsrWatchdogReset = 1u << 29, kCsrForgetResets = 1u << 24;  // IWDGRSTF, RMVF
 };
 static_assert(offsetof(Rcc, APB2ENR) == 0x44, "RM0090 7.3.14");
@@ -56,6 +58,30 @@ struct Usart {  // RM0090 30.6
   static constexpr uint32_t kCr1UsartOn = 1u << 13;           // UE
   static constexpr uint32_t kCr1OversampleBy8 = 1u << 15;     // OVER8
 };
+
+struct Timer {  // RM0090 17.4 (TIM1 and TIM8) and 18.4 (TIM2 to TIM5, which have no RCR and no BDTR)
+  Register CR1, CR2, SMCR, DIER, SR, EGR, CCMR1, CCMR2, CCER, CNT, PSC, ARR, RCR, CCR[4], BDTR, DCR, DMAR;
+
+  static constexpr uint32_t kCr1On = 1u << 0;                 // CEN
+  static constexpr uint32_t kCr1UpdateByOverflow = 1u << 2;   // URS: UG sets no flag
+  static constexpr uint32_t kCr1OnePulse = 1u << 3;           // OPM: the next update clears CEN
+  static constexpr uint32_t kCr1ReloadBuffered = 1u << 7;     // ARPE
+  static constexpr uint32_t kSmcrEncoderBoth = 3u << 0;       // SMS 011: counts the edges of both inputs
+  static constexpr uint32_t kEgrUpdate = 1u << 0;             // UG: CNT to 0; PSC, ARR, RCR, CCR into force
+  static constexpr uint32_t kCcmr1Input1 = 1u << 0;           // CC1S 01: IC1 is TI1
+  static constexpr uint32_t kCcmr1Input2 = 1u << 8;           // CC2S 01: IC2 is TI2
+  static constexpr uint32_t kCcmr1Filter1By6 = 4u << 4;       // IC1F 0100: six samples of f_DTS / 2 alike
+  static constexpr uint32_t kCcmr1Filter2By6 = 4u << 12;      // IC2F
+  static constexpr uint32_t kCcmr1Buffered1 = 1u << 3;        // OC1PE
+  static constexpr uint32_t kCcmr1HighFromCompare = 7u << 4;  // OC1M 111, PWM mode 2: low while CNT < CCR1
+  static constexpr uint32_t kCcerOutput1 = 1u << 0;           // CC1E
+  static constexpr uint32_t kBdtrOutputsOn = 1u << 15;        // MOE
+};
+static_assert(offsetof(Timer, CNT) == 0x24, "RM0090 17.4.10");
+static_assert(offsetof(Timer, RCR) == 0x30, "RM0090 17.4.13");
+static_assert(offsetof(Timer, CCR) == 0x34, "RM0090 17.4.14");
+static_assert(offsetof(Timer, BDTR) == 0x44, "RM0090 17.4.18");
+static_assert(offsetof(Timer, DMAR) == 0x4C, "RM0090 17.4.20");
 
 struct Iwdg {  // RM0090 21.4
   Register KR, PR, RLR, SR;
@@ -98,6 +124,8 @@ inline Gpio& gpio_a() { return at<Gpio, 0x40020000>(); }
 inline Gpio& gpio_c() { return at<Gpio, 0x40020800>(); }
 inline Usart& usart1() { return at<Usart, 0x40011000>(); }
 inline Usart& usart2() { return at<Usart, 0x40004400>(); }
+inline Timer& timer1() { return at<Timer, 0x40010000>(); }
+inline Timer& timer2() { return at<Timer, 0x40000000>(); }
 inline Iwdg& iwdg() { return at<Iwdg, 0x40003000>(); }
 inline SysTick& systick() { return at<SysTick, 0xE000E010>(); }
 inline Scb& scb() { return at<Scb, 0xE000ED00>(); }
