@@ -12,6 +12,7 @@ void Application::begin(AxisCore& axis, const Ports& ports) {
   shaper_.begin(axis, parameters_, Meanwhile{serve_meanwhile, this});
   registers_.begin({&axis, &loop_, &drive_, &shaper_, &parameters_});
   client_.begin(*ports.client, kDefaultUnit);
+  server_.begin(registers_);
 }
 
 void Application::tick() {
@@ -40,9 +41,7 @@ void Application::serve() {
   feed_watchdog(now);
   registers_.set_uptime(load(uptime_ms_));
   drive_.service();
-  if (client_.poll(now)) {
-    client_.reply(modbus::execute(registers_, client_.request(), client_.request_length(), client_.response()));
-  }
+  if (client_.poll(now)) server_.serve(client_);
 }
 
 void Application::serve_meanwhile(void* application) {

@@ -7,6 +7,7 @@
 #include "firmware/control_loop.hpp"
 #include "firmware/drive.hpp"
 #include "firmware/modbus_rtu.hpp"
+#include "firmware/modbus_server.hpp"
 #include "firmware/parameters.hpp"
 #include "firmware/register_bank.hpp"
 #include "firmware/shaper_settings.hpp"
@@ -66,6 +67,7 @@ class Application {
   Parameters parameters_ = {};
   RegisterBank registers_ = {};
   RtuPort client_ = {};
+  ModbusServer server_ = {};
 
   // The tick context's. silence_clock_ runs with the control ticks, and with the own timer while there are none, so
   // that a client is heard before the servo link is up.

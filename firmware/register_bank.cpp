@@ -83,6 +83,18 @@ ModbusException RegisterBank::write(uint16_t first, uint32_t count, const uint16
   return refused;
 }
 
+ModbusException RegisterBank::write_from_all(uint16_t first, uint32_t count, const uint16_t* words) {
+  const bool enabled = parts_.drive->state() == DriveState::kOperationEnabled;
+  bool safe = !enabled;
+  if (first == address_of(Register::kControlword)) {
+    const bool halts = enabled && (words[0] & kControlHalt) != 0;
+    safe = (words[0] & kControlNewSetPoint) == 0 && (halts || command_of(words[0]) != DriveCommand::kEnableOperation);
+  }
+  if (safe) return write(first, count, words);
+  parts_.parameters->note_refusal(kReasonBroadcast, first);
+  return ModbusException::kDeviceBusy;
+}
+
 ModbusException RegisterBank::check_addresses(const Request& request) const {
   if (request.end() > kAddressSpace) return ModbusException::kIllegalAddress;
   for (uint32_t address = request.first; address < request.end(); ++address) {

@@ -40,8 +40,11 @@ class RegisterBank {
   // read 0.
   ModbusException read(uint16_t first, uint32_t count, uint16_t* words);
   ModbusException write(uint16_t first, uint32_t count, const uint16_t* words);
-  // As `write` of one register; half of a 32-bit value is an illegal value.
-  ModbusException write_single(uint16_t address, uint16_t word) { return write(address, 1, &word); }
+
+  // A write that every drive on the line was told. It can stop motion and never start it: a controlword may not ask for
+  // a set-point, nor for operation unless it is enabled already and is halted; while it is enabled nothing else may be
+  // written at all. Refused with 06.
+  ModbusException write_from_all(uint16_t first, uint32_t count, const uint16_t* words);
 
  private:
   struct Request;

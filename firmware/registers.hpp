@@ -126,6 +126,7 @@ constexpr uint16_t kReasonHalted = 0x8200;        // the controlword's halt bit 
 constexpr uint16_t kReasonNoFeedback = 0x8300;    // the servo link gives no valid position: operation not enabled
 constexpr uint16_t kReasonNotAvailable = 0x8400;  // this firmware cannot do it
 constexpr uint16_t kReasonOutOfRange = 0x8500;    // exception 03: 0016 has the nearest value accepted
+constexpr uint16_t kReasonBroadcast = 0x8700;     // all drives were told; only each by itself can be
 
 constexpr uint16_t reason_of(Error error, Quantity quantity) {
   return static_cast<uint16_t>((static_cast<uint32_t>(error) << 8) | static_cast<uint32_t>(quantity));
