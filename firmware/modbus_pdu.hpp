@@ -35,7 +35,8 @@ enum Function : uint8_t {
 
 constexpr uint8_t kExceptionBit = 0x80;
 
-// A request, the response to it as it grows, and room for registers on their way. `response` is not the request and has room for kMaxPduBytes.
+// A request, the response to it as it grows, and room for registers on their way. `response` is not the request and has
+// room for kMaxPduBytes.
 struct Exchange {
   const uint8_t* request;
   size_t length;  // at least 1
