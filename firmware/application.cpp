@@ -10,8 +10,10 @@ void Application::begin(AxisCore& axis, const Ports& ports) {
   loop_.begin(axis, *ports.servo);
   drive_.begin(axis, loop_, parameters_);
   shaper_.begin(axis, parameters_, Meanwhile{serve_meanwhile, this});
-  registers_.begin({&axis, &loop_, &drive_, &shaper_, &parameters_});
-  client_.begin(*ports.client, kDefaultUnit);
+  const RegisterBank::Parts parts = {&axis, &loop_, &drive_, &shaper_, &parameters_, &keeper_};
+  registers_.begin(parts);
+  keeper_.begin(parts, registers_, ports.memory, ports.restart);
+  client_.begin(*ports.client, static_cast<uint8_t>(parameters_.get(Register::kUnitId)));
   server_.begin(registers_);
 }
 
@@ -30,8 +32,9 @@ void Application::own_timer_tick() {
 
 void Application::poll() {
   serve();
-  // Designs and plans take long; an answer with a hole in it would be two broken frames.
+  // Designs, plans and erases take long; an answer with a hole in it would be two broken frames.
   if (client_.sending()) return;
+  keeper_.service(load(uptime_ms_));
   shaper_.service();
   drive_.take_set_point(shaper_.waiting());
 }

@@ -8,10 +8,12 @@
 #include "firmware/drive.hpp"
 #include "firmware/modbus_rtu.hpp"
 #include "firmware/modbus_server.hpp"
+#include "firmware/parameter_keeper.hpp"
 #include "firmware/parameters.hpp"
 #include "firmware/register_bank.hpp"
 #include "firmware/shaper_settings.hpp"
 #include "hal/byte_stream.hpp"
+#include "hal/nonvolatile.hpp"
 #include "hal/servo_port.hpp"
 #include "hal/watchdog.hpp"
 #include "shaper/axis/axis_core.hpp"
@@ -19,12 +21,12 @@
 
 namespace stillpoint::firmware {
 
-constexpr uint8_t kDefaultUnit = 1;
-
 struct Ports {
   hal::ServoPort* servo;
   hal::ByteStream* client;  // Modbus RTU
   hal::Watchdog* watchdog;
+  hal::Nonvolatile* memory = nullptr;          // for the parameters; null: they are not stored
+  ParameterKeeper::Restart restart = nullptr;  // starts the chip anew; null: it cannot be
 };
 
 // A zero-initialised Application is valid storage (.bss); `begin` makes it work.
@@ -35,7 +37,7 @@ struct Ports {
 class Application {
  public:
   // Once, before the first tick. `axis` must have been configured (Axis::configure) by then; its limits become the
-  // registers'.
+  // registers', unless parameters were stored.
   void begin(AxisCore& axis, const Ports& ports);
 
   // Tick context: once a servo tick (the sync of the servo link, or the chip's timer where the port has no sync).
@@ -66,6 +68,7 @@ class Application {
   ShaperSettings shaper_ = {};
   Parameters parameters_ = {};
   RegisterBank registers_ = {};
+  ParameterKeeper keeper_ = {};
   RtuPort client_ = {};
   ModbusServer server_ = {};
 

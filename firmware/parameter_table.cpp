@@ -113,6 +113,7 @@ constexpr Parameter kParameters[kParameterCount] = {
     shown(R::kServoTicks, T::kU32, 0, 0, "servo ticks", "ticks"),
     shown(R::kServoMissing, T::kU32, 0, 0, "servo feedbacks missing", "ticks"),
     shown(R::kServoLinkLosses, T::kU32, 0, 0, "servo link losses"),
+    locked(value(R::kUnitId, T::kU16, 0, 1, 247, 1, "unit id, from the next start on", "")),
 
     with(Effect::kControlword, value(R::kControlword, T::kU16, 0x6040, 0, kU16Max, 0, "controlword", "bits")),
     shown(R::kStatusword, T::kU16, 0x6041, 0, "statusword", "bits"),

@@ -50,7 +50,7 @@ struct Parameter {
   constexpr bool writable() const { return access != Access::kRead; }
 };
 
-constexpr size_t kParameterCount = 83;
+constexpr size_t kParameterCount = 84;
 constexpr size_t kNoParameter = kParameterCount;
 
 // Sorted by address.
@@ -70,6 +70,9 @@ class Parameters {
   // Takes the axis's maxima and quick stop, rounded down to whole registers, and lowers the profile to them.
   void adopt(const AxisConfig& config);
 
+  // Lowers what a move may ask for to what the axis may: every parameter with a ceiling that is no limit itself.
+  void lower_to_ceilings();
+
   uint32_t value(size_t index) const { return values_[index]; }
   void set_value(size_t index, uint32_t value) { values_[index] = value; }
 
@@ -83,7 +86,6 @@ class Parameters {
 
  private:
   void adopt_one(Register name, double value);
-  void lower_to(Register name, Register ceiling);
 
   uint32_t values_[kParameterCount] = {};
 };

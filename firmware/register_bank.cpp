@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "firmware/register_bank.hpp"
 
+#include "firmware/parameter_keeper.hpp"
+
 namespace stillpoint::firmware {
 namespace {
 
@@ -66,7 +68,15 @@ void RegisterBank::begin(const Parts& parts) {
   parts_ = parts;
   const double tick_s = parts.axis->config().tick_s;
   ticks_per_second_ = tick_s > 0.0 ? static_cast<uint32_t>(1.0 / tick_s + 0.5) : 0;
-  parts_.loop->set_position_window(parts_.parameters->get(Register::kPositionWindow));
+  watch();
+}
+
+void RegisterBank::watch() { parts_.loop->set_position_window(parts_.parameters->get(Register::kPositionWindow)); }
+
+Status RegisterBank::take_parameters() {
+  const Status status = configure_axis({0, 0, nullptr});
+  if (status.ok()) watch();
+  return status;
 }
 
 void RegisterBank::set_uptime(uint32_t uptime_ms) {
@@ -132,7 +142,7 @@ ModbusException RegisterBank::check_state(const Request& request) {
     return reason == 0;
   });
   if (!good) {
-    if (reason != kReasonLocked)
+    if (reason != kReasonLocked && !parts_.keeper->busy())
       parts_.parameters->set(Register::kCommandResult, static_cast<uint32_t>(CommandResult::kFailed));
     return refuse_state(reason, culprit);
   }
@@ -150,7 +160,7 @@ ModbusException RegisterBank::refuse_state(uint16_t reason, Register culprit) {
 
 uint16_t RegisterBank::key_refusal(uint32_t key) const {
   if (key == static_cast<uint32_t>(CommandKey::kUnlock)) return 0;
-  return unlocked_ ? kReasonNotAvailable : kReasonLocked;
+  return unlocked_ ? parts_.keeper->refusal(static_cast<CommandKey>(key)) : kReasonLocked;
 }
 
 uint32_t RegisterBank::staged(const Request& request, Register name) const {
@@ -197,10 +207,15 @@ void RegisterBank::set_off(const Parameter& parameter, uint32_t value) {
         parts_.shaper->discard();
       }
       break;
-    case Effect::kCommandKey:  // the only one that gets here
+    case Effect::kCommandKey:
+      if (value != static_cast<uint32_t>(CommandKey::kUnlock)) {
+        parts_.keeper->request(static_cast<CommandKey>(value), uptime_ms_);
+        break;
+      }
       unlocked_ = true;
       unlocked_at_ms_ = uptime_ms_;
-      parts_.parameters->set(Register::kCommandResult, static_cast<uint32_t>(CommandResult::kDone));
+      if (!parts_.keeper->busy())
+        parts_.parameters->set(Register::kCommandResult, static_cast<uint32_t>(CommandResult::kDone));
       break;
     case Effect::kAxisLimits:  // done by the check, which is the axis's own
     case Effect::kShaperSet:   // done before the others

@@ -12,6 +12,8 @@
 
 namespace stillpoint::firmware {
 
+class ParameterKeeper;
+
 constexpr uint32_t kUnlockedMs = 60000;
 
 // Background. Zero-initialised storage is valid.
@@ -29,9 +31,16 @@ class RegisterBank {
     Drive* drive;
     ShaperSettings* shaper;
     Parameters* parameters;
+    ParameterKeeper* keeper;
   };
 
   void begin(const Parts& parts);
+
+  // Makes the parameters, which came from elsewhere than a write, the axis's and the loop's. As the axis refuses them,
+  // and then nothing has changed.
+  Status take_parameters();
+  // The loop's alone.
+  void watch();
 
   // Once a poll, before requests: the own clock, which the unlock key's time runs on.
   void set_uptime(uint32_t uptime_ms);

@@ -27,6 +27,7 @@ enum class Register : uint16_t {
   kServoTicks = 0x0018,
   kServoMissing = 0x001A,
   kServoLinkLosses = 0x001C,
+  kUnitId = 0x0020,
   kControlword = 0x0040,
   kStatusword = 0x0041,
   kMode = 0x0042,
@@ -127,6 +128,10 @@ constexpr uint16_t kReasonNoFeedback = 0x8300;    // the servo link gives no val
 constexpr uint16_t kReasonNotAvailable = 0x8400;  // this firmware cannot do it
 constexpr uint16_t kReasonOutOfRange = 0x8500;    // exception 03: 0016 has the nearest value accepted
 constexpr uint16_t kReasonBroadcast = 0x8700;     // all drives were told; only each by itself can be
+constexpr uint16_t kReasonNotDisabled = 0x8800;   // only while the drive is disabled
+constexpr uint16_t kReasonFlashSilent = 0x8900;   // the flash does not respond, or there is none
+constexpr uint16_t kReasonImageVersion = 0x8A00;  // at the start: parameters stored by an unknown, newer firmware
+constexpr uint16_t kReasonImageBad = 0x8A01;      // at the start: no stored parameters are whole
 
 constexpr uint16_t reason_of(Error error, Quantity quantity) {
   return static_cast<uint16_t>((static_cast<uint32_t>(error) << 8) | static_cast<uint32_t>(quantity));
