@@ -14,8 +14,12 @@ void Application::begin(AxisCore& axis, const Ports& ports) {
   faults_.begin(ports.faults);
   if (ports.tune != nullptr) tuner_.begin(axis, *ports.tune);
   tuning_.begin({&axis, ports.tune != nullptr ? &tuner_ : nullptr, &drive_, &shaper_, &parameters_});
-  registers_.begin({&axis, &loop_, &drive_, &shaper_, &tuning_, &parameters_, &faults_, &stream_});
-  client_.begin(*ports.client, kDefaultUnit);
+  const RegisterBank::Parts parts = {&axis,        &loop_,   &drive_,  &shaper_, &tuning_,
+                                     &parameters_, &faults_, &stream_, &keeper_};
+  registers_.begin(parts);
+  keeper_.begin(parts, registers_, ports.memory, ports.restart);
+  client_.begin(*ports.client, static_cast<uint8_t>(parameters_.get(Register::kUnitId)));
+  server_.begin(registers_);
 }
 
 void Application::tick() {
@@ -35,8 +39,9 @@ void Application::own_timer_tick() {
 
 void Application::poll() {
   serve();
-  // Designs, identifications and plans take long; an answer with a hole in it would be two broken frames.
+  // Designs, identifications, plans and erases take long; an answer with a hole in it would be two broken frames.
   if (client_.sending()) return;
+  keeper_.service(load(uptime_ms_));
   shaper_.service();
   tuning_.service(load(uptime_ms_), Meanwhile{serve_meanwhile, this});
   drive_.take_set_point(shaper_.waiting());
@@ -53,7 +58,7 @@ void Application::serve() {
   faults_.follow(drive_.loop(), uptime_ms);
   if (client_.poll(now)) {
     loop_.note_client();
-    client_.reply(modbus::execute(registers_, client_.request(), client_.request_length(), client_.response()));
+    server_.serve(client_);
   }
 }
 

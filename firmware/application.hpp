@@ -8,12 +8,15 @@
 #include "firmware/drive.hpp"
 #include "firmware/fault_log.hpp"
 #include "firmware/modbus_rtu.hpp"
+#include "firmware/modbus_server.hpp"
+#include "firmware/parameter_keeper.hpp"
 #include "firmware/parameters.hpp"
 #include "firmware/position_stream.hpp"
 #include "firmware/register_bank.hpp"
 #include "firmware/shaper_settings.hpp"
 #include "firmware/tuning.hpp"
 #include "hal/byte_stream.hpp"
+#include "hal/nonvolatile.hpp"
 #include "hal/servo_port.hpp"
 #include "hal/watchdog.hpp"
 #include "shaper/axis/axis_core.hpp"
@@ -22,14 +25,14 @@
 
 namespace stillpoint::firmware {
 
-constexpr uint8_t kDefaultUnit = 1;
-
 struct Ports {
   hal::ServoPort* servo;
   hal::ByteStream* client;  // Modbus RTU
   hal::Watchdog* watchdog;
-  FaultMemory* faults = nullptr;  // memory that a reset leaves alone; null: no history is kept
-  TuneMemory* tune = nullptr;     // null: no auto-tune
+  FaultMemory* faults = nullptr;               // memory that a reset leaves alone; null: no history is kept
+  TuneMemory* tune = nullptr;                  // null: no auto-tune
+  hal::Nonvolatile* memory = nullptr;          // for the parameters; null: they are not stored
+  ParameterKeeper::Restart restart = nullptr;  // starts the chip anew; null: it cannot be
 };
 
 // A zero-initialised Application is valid storage (.bss); `begin` makes it work.
@@ -40,7 +43,7 @@ struct Ports {
 class Application {
  public:
   // Once, before the first tick. `axis` must have been configured (Axis::configure) by then; its limits become the
-  // registers'.
+  // registers', unless parameters were stored.
   void begin(AxisCore& axis, const Ports& ports);
 
   // Tick context: once a servo tick (the sync of the servo link, or the chip's timer where the port has no sync).
@@ -84,7 +87,9 @@ class Application {
   FaultLog faults_ = {};
   PositionStream stream_ = {};
   RegisterBank registers_ = {};
+  ParameterKeeper keeper_ = {};
   RtuPort client_ = {};
+  ModbusServer server_ = {};
 
   // The tick context's. silence_clock_ runs with the control ticks, and with the own timer while there are none, so
   // that a client is heard before the servo link is up.

@@ -59,9 +59,15 @@ bool RtuPort::accept() {
 }
 
 void RtuPort::reply(size_t response_length) {
-  const bool broadcast = received_[0] == kBroadcastUnit;
+  const bool answered = !broadcast() && response_length > 0 && response_length <= kMaxPduBytes;
+  const bool refused = response_length > 0 && (answer_[1] & modbus::kExceptionBit) != 0;
   length_ = 0;
-  if (broadcast || response_length > kMaxPduBytes) return;
+  if (refused) ++counters_.exceptions;
+  if (!answered) {
+    ++counters_.unanswered;
+    return;
+  }
+  if (refused && answer_[2] == static_cast<uint8_t>(ModbusException::kDeviceBusy)) ++counters_.busy;
   answer_[0] = unit_;
   const size_t body = 1 + response_length;
   const uint16_t crc = crc16(answer_, body);

@@ -22,8 +22,11 @@ struct RtuCounters {
   uint32_t requests;  // whole, for this unit or for all
   uint32_t others;    // whole, for another unit
   uint32_t crc_errors;
-  uint32_t runts;     // too short to be a frame
-  uint32_t oversize;  // longer than a frame can be
+  uint32_t runts;       // too short to be a frame
+  uint32_t oversize;    // longer than a frame can be
+  uint32_t exceptions;  // answers that refuse, also to broadcasts, which do not get them
+  uint32_t busy;        // those with exception 06 that were sent
+  uint32_t unanswered;  // requests without an answer: broadcasts, and what is only listened to
 };
 
 // Background. Zero-initialised storage is valid. Takes and gives bytes as the line offers, never waits. Everything that
@@ -43,7 +46,10 @@ class RtuPort {
   size_t request_length() const { return length_ - kEnvelopeBytes; }
   uint8_t* response() { return answer_ + 1; }
 
-  // Ends the request and sends the response; a broadcast is not answered.
+  // The request is for all units.
+  bool broadcast() const { return received_[0] == kBroadcastUnit; }
+
+  // Ends the request and sends the response; a broadcast is not answered, and one of no bytes is none.
   void reply(size_t response_length);
 
   bool sending() const { return sent_ < answer_length_; }

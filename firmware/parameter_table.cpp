@@ -133,6 +133,7 @@ constexpr Entry kTable[kParameterCount] = {
     shown(R::kServoMissing, T::kU32, 0, 0, "servo feedbacks missing", "ticks"),
     shown(R::kServoLinkLosses, T::kU32, 0, 0, "servo link losses"),
     shown(R::kTickOverruns, T::kU32, 0, 0, "ticks not ended when the next was due", "ticks"),
+    locked(value(R::kUnitId, T::kU16, 0, 1, 247, 1, "unit id, from the next start on", "")),
     with(Effect::kWatch, locked(value(R::kClientWatchdogMs, T::kU16, 0, 0, 60000, 0, "client link watchdog", "ms"))),
 
     with(Effect::kControlword, value(R::kControlword, T::kU16, 0x6040, 0, kU16Max, 0, "controlword", "bits")),

@@ -38,8 +38,13 @@ void Parameters::load_defaults() {
 
 void Parameters::adopt_one(Register name, double value) { set(name, whole_register(value)); }
 
-void Parameters::lower_to(Register name, Register ceiling) {
-  if (get(name) > get(ceiling)) set(name, get(ceiling));
+void Parameters::lower_to_ceilings() {
+  for (size_t i = 0; i < kParameterCount; ++i) {
+    const Parameter& parameter = kParameters[i];
+    if (parameter.ceiling == kNoRegister || parameter.effect == Effect::kAxisLimits) continue;
+    const uint32_t ceiling = get(parameter.ceiling);
+    if (values_[i] > ceiling) values_[i] = ceiling;
+  }
 }
 
 void Parameters::adopt(const AxisConfig& config) {
@@ -51,14 +56,7 @@ void Parameters::adopt(const AxisConfig& config) {
   adopt_one(Register::kQuickStopJerk, config.quick_stop_jerk / kJerkUnit);
   set_signed(Register::kSoftLimitLow, config.soft_low_counts);
   set_signed(Register::kSoftLimitHigh, config.soft_high_counts);
-  lower_profile();
-}
-
-void Parameters::lower_profile() {
-  lower_to(Register::kProfileVelocity, Register::kMaximumVelocity);
-  lower_to(Register::kProfileAcceleration, Register::kMaximumAcceleration);
-  lower_to(Register::kProfileDeceleration, Register::kMaximumAcceleration);
-  lower_to(Register::kProfileJerk, Register::kMaximumJerk);
+  lower_to_ceilings();
 }
 
 void Parameters::note_refusal(uint16_t reason, uint16_t culprit, uint32_t accepted) {

@@ -49,7 +49,7 @@ struct Parameter {
   constexpr bool writable() const { return access != Access::kRead; }
 };
 
-constexpr size_t kParameterCount = 154;
+constexpr size_t kParameterCount = 155;
 constexpr size_t kNoParameter = kParameterCount;
 
 // What people are told of one.
@@ -91,8 +91,8 @@ class Parameters {
   // Takes the axis's maxima and quick stop, rounded down to whole registers, and lowers the profile to them.
   void adopt(const AxisConfig& config);
 
-  // The profile's limits are never above the axis's maxima.
-  void lower_profile();
+  // Lowers what a move may ask for to what the axis may: every parameter with a ceiling that is no limit itself.
+  void lower_to_ceilings();
 
   uint32_t value(size_t index) const { return values_[index]; }
   void set_value(size_t index, uint32_t value) { values_[index] = value; }
@@ -107,7 +107,6 @@ class Parameters {
 
  private:
   void adopt_one(Register name, double value);
-  void lower_to(Register name, Register ceiling);
 
   uint32_t values_[kParameterCount] = {};
 };

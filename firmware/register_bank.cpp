@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "firmware/register_bank.hpp"
 
+#include "firmware/parameter_keeper.hpp"
+
 namespace stillpoint::firmware {
 namespace {
 
@@ -99,6 +101,12 @@ uint32_t RegisterBank::most_per_tick(uint32_t velocity) const {
   return counts < UINT32_MAX ? static_cast<uint32_t>(counts) : UINT32_MAX;
 }
 
+Status RegisterBank::take_parameters() {
+  const Status status = configure_axis({0, 0, nullptr});
+  if (status.ok()) watch();
+  return status;
+}
+
 void RegisterBank::set_uptime(uint32_t uptime_ms) {
   uptime_ms_ = uptime_ms;
   if (uptime_ms_ - unlocked_at_ms_ >= kUnlockedMs) unlocked_ = false;
@@ -127,6 +135,18 @@ ModbusException RegisterBank::write_stream(const Request& request) {
   parts_.parameters->note_refusal(full ? kReasonStreamFull : kReasonOutOfRange, kFirstStreamPosition,
                                   static_cast<uint32_t>(full ? static_cast<int64_t>(room) : kMostStreamStep));
   return full ? ModbusException::kDeviceBusy : ModbusException::kIllegalValue;
+}
+
+ModbusException RegisterBank::write_from_all(uint16_t first, uint32_t count, const uint16_t* words) {
+  const bool enabled = parts_.drive->state() == DriveState::kOperationEnabled;
+  bool safe = !enabled;
+  if (first == address_of(Register::kControlword)) {
+    const bool halts = enabled && (words[0] & kControlHalt) != 0;
+    safe = (words[0] & kControlNewSetPoint) == 0 && (halts || command_of(words[0]) != DriveCommand::kEnableOperation);
+  }
+  if (safe) return write(first, count, words);
+  parts_.parameters->note_refusal(kReasonBroadcast, first);
+  return ModbusException::kDeviceBusy;
 }
 
 ModbusException RegisterBank::check_addresses(const Request& request) const {
@@ -170,7 +190,7 @@ ModbusException RegisterBank::check_state(const Request& request) {
     return reason == 0;
   });
   if (!good) {
-    if (reason == kReasonNotAvailable)
+    if (culprit == Register::kCommandKey && reason != kReasonLocked && !parts_.keeper->busy())
       parts_.parameters->set(Register::kCommandResult, static_cast<uint32_t>(CommandResult::kFailed));
     return refuse_state(reason, culprit);
   }
@@ -192,7 +212,7 @@ ModbusException RegisterBank::refuse_state(uint16_t reason, Register culprit) {
 
 uint16_t RegisterBank::key_refusal(uint32_t key) const {
   if (key == static_cast<uint32_t>(CommandKey::kUnlock)) return 0;
-  return unlocked_ ? kReasonNotAvailable : kReasonLocked;
+  return unlocked_ ? parts_.keeper->refusal(static_cast<CommandKey>(key)) : kReasonLocked;
 }
 
 uint32_t RegisterBank::staged(const Request& request, Register name) const {
@@ -246,7 +266,7 @@ void RegisterBank::set_off(const Parameter& parameter, uint32_t value) {
   switch (parameter.effect) {
     case Effect::kControlword: parts_.drive->write_controlword(static_cast<uint16_t>(value)); break;
     case Effect::kAxisLimits:  // the axis has taken them in the check
-      parts_.parameters->lower_profile();
+      parts_.parameters->lower_to_ceilings();
       watch();
       break;
     case Effect::kWatch: watch(); break;
@@ -258,10 +278,15 @@ void RegisterBank::set_off(const Parameter& parameter, uint32_t value) {
         parts_.shaper->discard();
       }
       break;
-    case Effect::kCommandKey:  // the only one that gets here
+    case Effect::kCommandKey:
+      if (value != static_cast<uint32_t>(CommandKey::kUnlock)) {
+        parts_.keeper->request(static_cast<CommandKey>(value), uptime_ms_);
+        break;
+      }
       unlocked_ = true;
       unlocked_at_ms_ = uptime_ms_;
-      parts_.parameters->set(Register::kCommandResult, static_cast<uint32_t>(CommandResult::kDone));
+      if (!parts_.keeper->busy())
+        parts_.parameters->set(Register::kCommandResult, static_cast<uint32_t>(CommandResult::kDone));
       break;
     case Effect::kTune:       // done as the last of the checks
     case Effect::kShaperSet:  // done before the others

@@ -15,6 +15,8 @@
 
 namespace stillpoint::firmware {
 
+class ParameterKeeper;
+
 constexpr uint32_t kUnlockedMs = 60000;
 
 // Background. Zero-initialised storage is valid.
@@ -35,9 +37,16 @@ class RegisterBank {
     Parameters* parameters;
     const FaultLog* faults;
     PositionStream* stream;
+    ParameterKeeper* keeper;
   };
 
   void begin(const Parts& parts);
+
+  // Makes the parameters, which came from elsewhere than a write, the axis's and the loop's. As the axis refuses them,
+  // and then nothing has changed.
+  Status take_parameters();
+  // The loop's alone.
+  void watch();
 
   // Once a poll, before requests: the own clock, which the unlock key's time runs on.
   void set_uptime(uint32_t uptime_ms);
@@ -46,14 +55,16 @@ class RegisterBank {
   // read 0.
   ModbusException read(uint16_t first, uint32_t count, uint16_t* words);
   ModbusException write(uint16_t first, uint32_t count, const uint16_t* words);
-  // As `write` of one register; half of a 32-bit value is an illegal value.
-  ModbusException write_single(uint16_t address, uint16_t word) { return write(address, 1, &word); }
+
+  // A write that every drive on the line was told. It can stop motion and never start it: a controlword may not ask for
+  // a set-point, nor for operation unless it is enabled already and is halted; while it is enabled nothing else may be
+  // written at all. Refused with 06.
+  ModbusException write_from_all(uint16_t first, uint32_t count, const uint16_t* words);
 
  private:
   struct Request;
 
   ModbusException write_stream(const Request& request);
-  void watch();
   uint32_t ticks_of(uint32_t ms) const;
   uint32_t most_per_tick(uint32_t velocity) const;
   void refresh();

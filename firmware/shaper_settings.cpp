@@ -48,6 +48,28 @@ void ShaperSettings::show_set(uint32_t set) {
   shown_ = set;
 }
 
+ShaperSettings::Place ShaperSettings::place_of(Register name) {
+  if (name == Register::kModeCount) return {0, kFieldCount};
+  const uint32_t offset = static_cast<uint32_t>(address_of(name) - address_of(Register::kFirstMode));
+  uint32_t field = 0;
+  while (field + 1 < kFieldCount && static_cast<uint32_t>(kFields[field]) != offset % kModeStride) ++field;
+  return {offset / kModeStride, field};
+}
+
+uint32_t ShaperSettings::staged(uint32_t set, Register name) const {
+  if (set == shown_) return parameters_->get(name);
+  const Place place = place_of(name);
+  const Staged& staged = sets_[set].staged;
+  return place.field == kFieldCount ? staged.count : staged.fields[place.mode][place.field];
+}
+
+void ShaperSettings::stage(uint32_t set, Register name, uint32_t value) {
+  if (set == shown_) return parameters_->set(name, value);
+  const Place place = place_of(name);
+  Staged& staged = sets_[set].staged;
+  (place.field == kFieldCount ? staged.count : staged.fields[place.mode][place.field]) = value;
+}
+
 void ShaperSettings::request_apply(Retune when) {
   designing_ = false;
   apply_requested_ = true;

@@ -26,6 +26,10 @@ class ShaperSettings {
   // Register 0101: this set's registers are shown from now on. What runs does not change.
   void show_set(uint32_t set);
 
+  // The staged registers of any set, shown or not: 0100 and those of the modes but the reserved ones.
+  uint32_t staged(uint32_t set, Register name) const;
+  void stage(uint32_t set, Register name, uint32_t value);
+
   // Register 0130: apply. The design is left to `service`, so that the client's answer does not wait for it; one that
   // is under way is given up after its mode.
   void request_apply(Retune when);
@@ -64,6 +68,12 @@ class ShaperSettings {
   };
 
   void take_over(const Staged& staged);
+  struct Place {
+    uint32_t mode;
+    uint32_t field;  // kFieldCount: the number of modes
+  };
+
+  static Place place_of(Register name);
   static bool same(const Staged& a, const Staged& b);
   Staged read_staged() const;
   void write_staged(const Staged& staged);

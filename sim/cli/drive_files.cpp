@@ -5,6 +5,7 @@
 
 #include <fstream>
 
+#include "firmware/parameter_store.hpp"
 #include "sim/cli/drive_registers.hpp"
 #include "sim/refusal.hpp"
 
@@ -17,18 +18,10 @@ using firmware::kParameters;
 using firmware::Parameter;
 using firmware::Register;
 
-// Of one set, read and written while it is on show.
-bool is_staged(const Parameter& parameter) {
-  const uint32_t address = address_of(parameter.name);
-  const uint32_t first = address_of(Register::kFirstMode);
-  return parameter.name == Register::kModeCount ||
-         (address >= first && address < first + firmware::kModeStride * firmware::kMaxModes);
-}
-
 Json values_of(sim::RegisterPort& port, bool staged) {
   Json values = Json::object();
   for (const Parameter& parameter : kParameters) {
-    if (is_setting(parameter) && is_staged(parameter) == staged) {
+    if (firmware::stored(parameter) && firmware::of_shaper_set(parameter) == staged) {
       values[name_of(parameter)] = read_parameter(port, parameter);
     }
   }
@@ -44,7 +37,7 @@ std::vector<Setting> settings_in(const Json& values, bool staged) {
   std::vector<Setting> settings;
   for (const auto& [name, value] : values.items()) {
     const Parameter& parameter = parameter_named(name);
-    if (!is_setting(parameter) || is_staged(parameter) != staged)
+    if (!firmware::stored(parameter) || firmware::of_shaper_set(parameter) != staged)
       throw sim::bad_argument("setting", name, "not one of these, those of an export are accepted");
     if (!value.is_number_integer())
       throw sim::bad_argument(name, value.dump(), "not a whole number, one in the register's unit is accepted");

@@ -14,7 +14,6 @@ namespace stillpoint::cli {
 namespace {
 
 using firmware::address_of;
-using firmware::Effect;
 using firmware::Parameter;
 using firmware::Register;
 
@@ -97,17 +96,6 @@ void write_parameter(sim::RegisterPort& port, const Parameter& parameter, int64_
 
 void unlock(sim::RegisterPort& port) {
   port.write(address_of(Register::kCommandKey), static_cast<uint16_t>(firmware::CommandKey::kUnlock));
-}
-
-bool is_setting(const Parameter& parameter) {
-  switch (parameter.name) {
-    case Register::kTargetPosition:
-    case Register::kTargetVelocity:
-    case Register::kShaperSet: return false;
-    default: break;
-  }
-  const bool reserved = parameter.minimum == parameter.maximum;
-  return parameter.writable() && parameter.readable() && parameter.effect != Effect::kControlword && !reserved;
 }
 
 }  // namespace stillpoint::cli

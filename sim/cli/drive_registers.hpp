@@ -27,7 +27,4 @@ void write_parameter(sim::RegisterPort& port, const firmware::Parameter& paramet
 // Unlocks what needs the key, for a minute.
 void unlock(sim::RegisterPort& port);
 
-// What a client sets once, as against what it commands: everything that is written to the drive and kept.
-bool is_setting(const firmware::Parameter& parameter);
-
 }  // namespace stillpoint::cli

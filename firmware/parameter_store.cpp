@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "firmware/parameter_store.hpp"
+
+#include "firmware/crc32.hpp"
+
+namespace stillpoint::firmware {
+namespace {
+
+constexpr size_t kPages = 2;
+constexpr uint32_t kHeaderWords = 3;
+
+// Words can be counted without memory, then programmed.
+struct Writer {
+  hal::Nonvolatile* memory;
+  size_t page;
+  uint32_t words;
+  uint32_t crc;
+  bool good;
+
+  void put(uint32_t word) {
+    if (memory != nullptr) good = good && memory->program(page, 4 * words, word);
+    crc = crc32_update(crc, word);
+    ++words;
+  }
+};
+
+void put_parameters(const Parameters& parameters, const ShaperSettings& shaper, Writer& writer) {
+  for (size_t i = 0; i < kParameterCount; ++i) {
+    if (!stored(kParameters[i])) continue;
+    const uint32_t sets = of_shaper_set(kParameters[i]) ? kShaperSets : 1;
+    for (uint32_t set = 0; set < sets; ++set) {
+      writer.put(set << 16 | address_of(kParameters[i].name));
+      writer.put(sets == 1 ? parameters.value(i) : shaper.staged(set, kParameters[i].name));
+    }
+  }
+}
+
+void take_entry(uint32_t key, uint32_t value, Parameters& parameters, ShaperSettings& shaper) {
+  const size_t index = find_parameter(static_cast<uint16_t>(key));
+  const uint32_t set = key >> 16;
+  if (index == kNoParameter || set >= kShaperSets) return;
+  const Parameter& parameter = kParameters[index];
+  uint32_t accepted = 0;
+  if (address_of(parameter.name) != (key & 0xFFFFU) || !stored(parameter)) return;
+  if (!in_range(parameter, parameter.maximum, value, accepted)) return;
+  if (of_shaper_set(parameter)) {
+    shaper.stage(set, parameter.name, value);
+  } else if (set == 0) {
+    parameters.set_value(index, value);
+  }
+}
+
+bool newer(uint32_t sequence, uint32_t than) { return static_cast<int32_t>(sequence - than) > 0; }
+
+}  // namespace
+
+bool stored(const Parameter& parameter) {
+  return parameter.access == Access::kReadWrite && parameter.effect != Effect::kControlword &&
+         parameter.effect != Effect::kShaperSet && parameter.name != Register::kTargetPosition &&
+         parameter.name != Register::kTargetVelocity && parameter.minimum != parameter.maximum;
+}
+
+bool of_shaper_set(const Parameter& parameter) {
+  const uint32_t address = address_of(parameter.name);
+  return address == address_of(Register::kModeCount) ||
+         (address >= address_of(Register::kFirstMode) &&
+          address < address_of(Register::kFirstMode) + kMaxModes * kModeStride);
+}
+
+bool ParameterStore::word_at(size_t page, uint32_t index, uint32_t& word) const {
+  uint8_t bytes[4];
+  if (!memory_->read(page, 4 * index, bytes, sizeof bytes)) return false;
+  word = uint32_t{bytes[3]} << 24 | uint32_t{bytes[2]} << 16 | uint32_t{bytes[1]} << 8 | bytes[0];
+  return true;
+}
+
+// Magic 0 where nothing has been begun.
+ParameterStore::Header ParameterStore::inspect(size_t page) const {
+  Header header = {};
+  if (memory_ == nullptr || page >= memory_->page_count() || !word_at(page, 0, header.magic)) return {};
+  if (header.magic != kImageMagic) return {};
+  if (!word_at(page, 1, header.kind) || !word_at(page, 2, header.sequence)) return header;
+  const uint32_t end = kHeaderWords + header.payload_words();
+  if (4 * (end + 1) > memory_->page_bytes()) return header;
+  uint32_t crc = kCrc32Initial;
+  uint32_t word = 0;
+  for (uint32_t i = 0; i < end; ++i) {
+    if (!word_at(page, i, word)) return header;
+    crc = crc32_update(crc, word);
+  }
+  header.whole = word_at(page, end, word) && word == ~crc;
+  return header;
+}
+
+Loaded ParameterStore::load(Parameters& parameters, ShaperSettings& shaper) const {
+  Loaded result = Loaded::kNothing;
+  size_t best = kPages;
+  Header newest = {};
+  for (size_t page = 0; page < kPages; ++page) {
+    const Header header = inspect(page);
+    if (header.magic != 0 && result == Loaded::kNothing) result = Loaded::kBad;
+    if (!header.whole) continue;
+    if (header.version() != kImageVersion) {
+      result = Loaded::kUnknownVersion;
+    } else if (best == kPages || newer(header.sequence, newest.sequence)) {
+      best = page;
+      newest = header;
+    }
+  }
+  if (best == kPages) return result;
+  uint32_t key = 0;
+  uint32_t value = 0;
+  for (uint32_t i = kHeaderWords; i + 1 < kHeaderWords + newest.payload_words(); i += 2) {
+    if (word_at(best, i, key) && word_at(best, i + 1, value)) take_entry(key, value, parameters, shaper);
+  }
+  return Loaded::kImage;
+}
+
+bool ParameterStore::save(const Parameters& parameters, const ShaperSettings& shaper) {
+  if (memory_ == nullptr || memory_->page_count() < kPages) return false;
+  const Header images[kPages] = {inspect(0), inspect(1)};
+  const bool keep_first = images[0].whole && (!images[1].whole || newer(images[0].sequence, images[1].sequence));
+  const size_t page = keep_first ? 1 : 0;
+  const uint32_t sequence = images[0].whole || images[1].whole ? images[1 - page].sequence + 1 : 0;
+  Writer count = {};
+  put_parameters(parameters, shaper, count);
+  if (4 * (kHeaderWords + count.words + 1) > memory_->page_bytes() || !memory_->erase(page)) return false;
+  Writer writer = {memory_, page, 0, kCrc32Initial, true};
+  writer.put(kImageMagic);
+  writer.put(uint32_t{kImageVersion} << 16 | count.words);
+  writer.put(sequence);
+  put_parameters(parameters, shaper, writer);
+  writer.put(~writer.crc);
+  const Header written = inspect(page);
+  return writer.good && written.whole && written.sequence == sequence;
+}
+
+}  // namespace stillpoint::firmware
