@@ -5,6 +5,7 @@
 #include "firmware/default_axis.hpp"
 #include "firmware/target/stm32f405/client_stream.hpp"
 #include "firmware/target/stm32f405/clock.hpp"
+#include "firmware/target/stm32f405/flash.hpp"
 #include "firmware/target/stm32f405/pins.hpp"
 #include "firmware/target/stm32f405/servo_link_port.hpp"
 #include "firmware/target/stm32f405/systick.hpp"
@@ -30,6 +31,14 @@ ServoLinkState servo_link_state;
 ClientStream client_stream(client_buffers);
 ServoLinkPort servo_link_port(servo_link_state);
 IndependentWatchdog watchdog;
+ParameterFlash parameter_flash;
+
+void restart() {
+  set_enable_line(false);
+  scb().AIRCR = Scb::kAircrReset;
+  for (;;) {  // it takes a few cycles
+  }
+}
 
 }  // namespace
 
@@ -60,7 +69,7 @@ int main() {
   watchdog.start();
   const Clock clock = start_clock();
   if (!axis.configure(firmware::kDefaultAxis).ok()) safe_state();
-  application.begin(axis, {&servo_link_port, &client_stream, &watchdog});
+  application.begin(axis, {&servo_link_port, &client_stream, &watchdog, &parameter_flash, restart});
   client_stream.set_up(clock.apb2_hz);
   servo_link_port.set_up(clock.apb1_hz);
   start_systick(clock.core_hz);
