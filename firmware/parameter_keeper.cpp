@@ -17,7 +17,10 @@ void ParameterKeeper::load() {
   Parameters& parameters = *parts_.parameters;
   const Loaded loaded = store_.load(parameters, *parts_.shaper);
   if (loaded == Loaded::kUnknownVersion) parameters.note_refusal(kReasonImageVersion, 0);
-  if (loaded == Loaded::kBad) parameters.note_refusal(kReasonImageBad, 0);
+  if (loaded == Loaded::kBad) {
+    parameters.note_refusal(kReasonImageBad, 0);
+    parts_.loop->request_fault(FaultCode::kParametersBad);
+  }
   if (loaded != Loaded::kImage) return;
   parameters.lower_to_ceilings();
   const Status status = registers_->take_parameters();

@@ -43,7 +43,7 @@ class ParameterStore {
   void begin(hal::Nonvolatile* memory) { memory_ = memory; }
 
   // Puts the image's values over those in force, each within its own range; limits among parameters are the caller's to
-  // check. An image of an unknown version is passed over for an older one that is known, and not erased before its turn.
+  // check. An image of an unknown version is passed over for an older one that is known, and erased only in its turn.
   Loaded load(Parameters& parameters, ShaperSettings& shaper) const;
 
   // True when the set is stored and reads back whole. False: the old one still counts. May take seconds.

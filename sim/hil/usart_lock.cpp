@@ -18,7 +18,8 @@ constexpr int kProbes = 100;
 
 constexpr std::chrono::microseconds kDrainStep{50};
 
-Emulator::Options options_for(const std::string& elf, EmulatorClock clock, int client_fd, int servo_fd) {
+Emulator::Options options_for(const std::string& elf, EmulatorClock clock, int client_fd, int servo_fd,
+                              const std::vector<std::string>& arguments) {
   Emulator::Options options;
   options.elf = elf;
   options.clock = clock;
@@ -27,6 +28,7 @@ Emulator::Options options_for(const std::string& elf, EmulatorClock clock, int c
                        "-chardev", "socket,id=servo,fd=" + std::to_string(servo_fd),
                        "-serial",  "chardev:client",
                        "-serial",  "chardev:servo"};
+  options.arguments.insert(options.arguments.end(), arguments.begin(), arguments.end());
   return options;
 }
 
@@ -60,8 +62,8 @@ bool SocketStream::drained() const {
   return unsent_.empty() && ::ioctl(fd_, SIOCOUTQ, &bytes) == 0 && bytes == 0;
 }
 
-UsartLock::UsartLock(const std::string& elf, EmulatorClock clock)
-    : emulator_(options_for(elf, clock, client_line_.theirs.get(), servo_line_.theirs.get())),
+UsartLock::UsartLock(const std::string& elf, EmulatorClock clock, const std::vector<std::string>& arguments)
+    : emulator_(options_for(elf, clock, client_line_.theirs.get(), servo_line_.theirs.get(), arguments)),
       client_stream_(client_line_.ours.get()) {
   client_line_.theirs.reset();
   servo_line_.theirs.reset();

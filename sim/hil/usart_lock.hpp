@@ -42,7 +42,8 @@ constexpr EmulatorClock kProductionClock{0};
 // The production image, unchanged: USART1 is its client line, USART2 the servo link, whose syncs make its ticks.
 class UsartLock final : public Lock {
  public:
-  UsartLock(const std::string& elf, EmulatorClock clock);
+  // `arguments`: further ones of the emulator's.
+  UsartLock(const std::string& elf, EmulatorClock clock, const std::vector<std::string>& arguments = {});
 
   hal::ServoCommand exchange(const hal::ServoFeedback& sync) override;
   hal::ByteStream& client() override { return client_stream_; }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Flash of two pages with a plug that can be pulled at any erase or word. The one that the cut meets is left, at random,
+// Flash of two pages with a plug that can be pulled at any erase or word. What the cut meets is left, at random,
 // not begun, done, or (in half of the cuts) half done: any of a word's bits programmed, any of a page's words erased,
 // some of the bits of others.
 #pragma once

@@ -6,6 +6,7 @@
 #include "firmware/default_axis.hpp"
 #include "firmware/target/stm32f405/client_stream.hpp"
 #include "firmware/target/stm32f405/clock.hpp"
+#include "firmware/target/stm32f405/flash.hpp"
 #include "firmware/target/stm32f405/pins.hpp"
 #include "firmware/target/stm32f405/pulse_port.hpp"
 #include "firmware/target/stm32f405/servo_link_port.hpp"
@@ -48,6 +49,14 @@ ClientStream client_stream(client_buffers);
 ServoLinkPort servo_link_port(servo_link_state);
 PulsePort pulse_port(pulse_state);
 IndependentWatchdog watchdog;
+ParameterFlash parameter_flash;
+
+void restart() {
+  set_enable_line(false);
+  scb().AIRCR = Scb::kAircrReset;
+  for (;;) {  // it takes a few cycles
+  }
+}
 
 void tick() {
   const Overrun overrun;
@@ -116,7 +125,8 @@ int main() {
   watchdog.start();
   const Clock clock = start_clock();
   if (!axis.configure(firmware::kDefaultAxis).ok()) safe_state();
-  application.begin(axis, {&servo_port(), &client_stream, &watchdog, &fault_memory, &tune_memory});
+  application.begin(axis,
+                    {&servo_port(), &client_stream, &watchdog, &fault_memory, &tune_memory, &parameter_flash, restart});
   if (bitten) application.note_fault(firmware::FaultCode::kWatchdog);
   client_stream.set_up(clock.apb2_hz);
   set_up_servo(clock);

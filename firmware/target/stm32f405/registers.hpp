@@ -33,11 +33,21 @@ static_assert(offsetof(Rcc, APB2ENR) == 0x44, "RM0090 7.3.14");
 static_assert(offsetof(Rcc, CSR) == 0x74, "RM0090 7.3.21");
 
 struct Flash {  // RM0090 3.9
-  Register ACR;
+  Register ACR, KEYR, OPTKEYR, SR, CR, OPTCR;
 
   static constexpr uint32_t kAcrLatencyMask = 7u, kAcrLatency5 = 5u;
   static constexpr uint32_t kAcrPrefetch = 1u << 8, kAcrInstructionCache = 1u << 9, kAcrDataCache = 1u << 10;
+  static constexpr uint32_t kAcrDataCacheReset = 1u << 12;
+  static constexpr uint32_t kKey1 = 0x45670123, kKey2 = 0xCDEF89AB;
+  static constexpr uint32_t kSrErrors = 0xF2;  // PGSERR, PGPERR, PGAERR, WRPERR, OPERR
+  static constexpr uint32_t kSrBusy = 1u << 16;
+  static constexpr uint32_t kCrProgram = 1u << 0, kCrSectorErase = 1u << 1;
+  static constexpr uint32_t kCrSectorShift = 3;
+  static constexpr uint32_t kCrWords = 2u << 8;  // PSIZE: 32 bits at a time, 2.7-3.6 V
+  static constexpr uint32_t kCrStart = 1u << 16, kCrLock = 1u << 31;
 };
+
+static_assert(offsetof(Flash, OPTCR) == 0x14, "RM0090 3.9.10");
 
 struct Gpio {  // RM0090 8.4
   Register MODER, OTYPER, OSPEEDR, PUPDR, IDR, ODR, BSRR, LCKR, AFR[2];
@@ -100,6 +110,7 @@ struct SysTick {  // ARMv7-M B3.3
 struct Scb {  // ARMv7-M B3.2
   Register CPUID, ICSR, VTOR, AIRCR, SCR, CCR, SHPR[3], SHCSR, CFSR, HFSR, DFSR, MMFAR, BFAR, AFSR, reserved[18], CPACR;
 
+  static constexpr uint32_t kAircrReset = 0x05FA0004;        // VECTKEY and SYSRESETREQ
   static constexpr uint32_t kIcsrSysTickPending = 1u << 26;  // PENDSTSET
   static constexpr uint32_t kShcsrFaultsOn = 7u << 16;       // usage, bus, memory management
   static constexpr uint32_t kCpacrFpu = 0xFu << 20;          // CP10 and CP11, full access
