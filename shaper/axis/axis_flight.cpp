@@ -15,8 +15,6 @@ constexpr uint32_t kShortestLeadTicks = 4;
 
 Status busy() { return refuse(Error::kBusy, Quantity::kNone, 0.0); }
 
-double larger(double a, double b) { return a > b ? a : b; }
-
 double counts_of(Wide position) { return to_double(position, kTrackFractionBits); }
 
 // plan_from uses as much of it as shortens a move.
@@ -31,9 +29,10 @@ AxisLimits planned_limits(const Move& move) {
 
 // As wide both ways as the wider of two moves: what a hand-over between them may do, whichever way it goes.
 AxisLimits around(const AxisLimits& a, const AxisLimits& b) {
-  const double acceleration = larger(larger(a.acceleration, a.deceleration), larger(b.acceleration, b.deceleration));
-  return AxisLimits{larger(a.velocity, b.velocity), acceleration, acceleration,
-                    larger(a.larger_jerk(), b.larger_jerk())};
+  const double acceleration =
+      math::greater(math::greater(a.acceleration, a.deceleration), math::greater(b.acceleration, b.deceleration));
+  return AxisLimits{math::greater(a.velocity, b.velocity), acceleration, acceleration,
+                    math::greater(a.larger_jerk(), b.larger_jerk())};
 }
 
 // An acceleration that the new jerk limit lets go of too late for the new velocity limit, or, where the motion turns
@@ -265,10 +264,10 @@ Status AxisCore::check_extent(const Course& course) const {
   constexpr double kRounding = 1e-6;
   const double from = counts_of(course.start.difference[0]);
   const Extent extent = extent_of(course.plan);
-  const double high = larger(from, config_.soft_high_counts) + kRounding;
+  const double high = math::greater(from, config_.soft_high_counts) + kRounding;
   if (from + extent.highest > high)
     return refuse(Error::kAboveMaximum, Quantity::kPosition, from + extent.highest, config_.soft_high_counts);
-  const double low = -larger(-from, -static_cast<double>(config_.soft_low_counts)) - kRounding;
+  const double low = -math::greater(-from, -static_cast<double>(config_.soft_low_counts)) - kRounding;
   if (from + extent.lowest < low)
     return refuse(Error::kBelowMinimum, Quantity::kPosition, from + extent.lowest, config_.soft_low_counts);
   return kOk;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // As much of complex arithmetic as the shaper design needs. Constexpr, background; products out of line, for each is
-// four calls where doubles are soft.
+// six calls where doubles are soft.
 #pragma once
 
 #include "shaper/base/math.hpp"

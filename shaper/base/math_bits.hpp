@@ -43,6 +43,9 @@ constexpr bool is_nan(double value) { return value != value; }
 constexpr double abs(double value) { return is_nan(value) ? kNan : from_bits(bits_of(value) & ~kSignMask); }
 // Of what is not a NaN, or is only compared: one instruction.
 constexpr double magnitude(double value) { return __builtin_fabs(value); }
+// Of two; the second where either is a NaN.
+[[gnu::noinline]] constexpr double greater(double a, double b) { return a > b ? a : b; }
+[[gnu::noinline]] constexpr double lesser(double a, double b) { return a < b ? a : b; }
 constexpr double square(double value) { return value * value; }
 
 // The sign of `sign` (also that of a zero) on the magnitude of `magnitude`, which is not a NaN.

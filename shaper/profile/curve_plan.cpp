@@ -7,15 +7,14 @@ namespace stillpoint {
 
 namespace {
 
-double greater(double a, double b) { return a > b ? a : b; }
-double lesser(double a, double b) { return a < b ? a : b; }
-
 // A ramp over a velocity v takes max(by_acceleration v, by_jerk sqrt(v)).
 struct SineRamp {
   double by_acceleration;
   double by_jerk;
 
-  double time(double root_velocity) const { return root_velocity * greater(by_acceleration * root_velocity, by_jerk); }
+  double time(double root_velocity) const {
+    return root_velocity * math::greater(by_acceleration * root_velocity, by_jerk);
+  }
   // d(v time)/ds for s = sqrt(v)
   double slope(double s) const {
     const double linear = by_acceleration * s;
@@ -42,8 +41,8 @@ struct SineRamps {
   double uncruised(double reach) const {
     double s = 1e300;
     for (const SineRamp& one : ramp) {  // each term alone is at most `reach` at the root
-      s = lesser(s, math::sqrt(math::sqrt(reach / one.by_acceleration)));
-      s = lesser(s, math::cbrt(reach / one.by_jerk));
+      s = math::lesser(s, math::sqrt(math::sqrt(reach / one.by_acceleration)));
+      s = math::lesser(s, math::cbrt(reach / one.by_jerk));
     }
     for (int step = 0; step < 64; ++step) {
       const double next = s - (s * s * time(s) - reach) / (ramp[0].slope(s) + ramp[1].slope(s));
@@ -67,7 +66,7 @@ Phases shortest_sine(double distance, const AxisLimits& limits) {
   double s = math::sqrt(limits.velocity);
   double cruise = distance / limits.velocity - ramps.time(s) / 2.0;
   if (!(cruise > 0.0)) {
-    s = lesser(ramps.uncruised(2.0 * distance), s);
+    s = math::lesser(ramps.uncruised(2.0 * distance), s);
     cruise = 0.0;
   }
   return Phases{ramps.ramp[0].time(s), cruise, ramps.ramp[1].time(s)};
@@ -89,10 +88,10 @@ double shortest_table(const ProfileTable& table, double distance, const AxisLimi
   const TablePeaks& peaks = table.peaks;
   const double by_velocity = peaks.velocity * distance / limits.velocity;
   const double by_acceleration = math::sqrt(
-      distance * greater(peaks.acceleration / limits.acceleration, peaks.deceleration / limits.deceleration));
-  const double by_jerk = math::cbrt(distance * peaks.jerk / lesser(limits.jerk, limits.braking_jerk()));
-  const double time = greater(by_velocity, by_acceleration);
-  return table.limits_jerk() ? greater(time, by_jerk) : time;
+      distance * math::greater(peaks.acceleration / limits.acceleration, peaks.deceleration / limits.deceleration));
+  const double by_jerk = math::cbrt(distance * peaks.jerk / math::lesser(limits.jerk, limits.braking_jerk()));
+  const double time = math::greater(by_velocity, by_acceleration);
+  return table.limits_jerk() ? math::greater(time, by_jerk) : time;
 }
 
 const ProfileTable* table_of(ProfileKind kind, const ProfileDetail& detail) {
@@ -140,14 +139,16 @@ Peaks curve_peaks(const Plan& plan) {
     const CurvePiece& piece = plan.pieces[i];
     const double velocity = math::magnitude(piece.length) / piece.duration_ticks;
     if (piece.table == nullptr) {
-      peaks.velocity = greater(peaks.velocity, velocity);
+      peaks.velocity = math::greater(peaks.velocity, velocity);
       continue;
     }
     const TablePeaks& table = piece.table->peaks;
     const double acceleration = velocity / piece.duration_ticks;
-    peaks.velocity = greater(peaks.velocity, table.velocity * velocity);
-    peaks.acceleration = greater(peaks.acceleration, greater(table.acceleration, table.deceleration) * acceleration);
-    if (piece.table->limits_jerk()) peaks.jerk = greater(peaks.jerk, table.jerk * acceleration / piece.duration_ticks);
+    peaks.velocity = math::greater(peaks.velocity, table.velocity * velocity);
+    peaks.acceleration =
+        math::greater(peaks.acceleration, math::greater(table.acceleration, table.deceleration) * acceleration);
+    if (piece.table->limits_jerk())
+      peaks.jerk = math::greater(peaks.jerk, table.jerk * acceleration / piece.duration_ticks);
   }
   return peaks;
 }

@@ -12,9 +12,6 @@ namespace {
 constexpr double kShortestBox = 1.0 / 1024.0;
 constexpr int kMostHalves = 5;
 
-double greater(double a, double b) { return a > b ? a : b; }
-double lesser(double a, double b) { return a < b ? a : b; }
-
 // Of one direction, counts and ticks.
 struct RampLimits {
   double acceleration;
@@ -33,19 +30,19 @@ BoxPair plain_ramp(double velocity, const RampLimits& limits) {
   const double by_acceleration = velocity / limits.acceleration;
   const double triangle = by_acceleration < jerk_ticks ? math::sqrt(velocity / limits.jerk) : 0.0;
   const bool triangular = triangle != 0.0;
-  return BoxPair{{greater(triangular ? triangle : jerk_ticks, kShortestBox),
-                  greater(triangular ? triangle : by_acceleration, kShortestBox)}};
+  return BoxPair{{math::greater(triangular ? triangle : jerk_ticks, kShortestBox),
+                  math::greater(triangular ? triangle : by_acceleration, kShortestBox)}};
 }
 
 // The box to go with one of `half` that is followed by `decay` times itself.
 BoxPair matched_ramp(double velocity, const RampLimits& limits, double half, double decay) {
   const double area = half * (1.0 + decay);
-  double other = greater(velocity / (area * limits.jerk), kShortestBox);
+  double other = math::greater(velocity / (area * limits.jerk), kShortestBox);
   // The acceleration, velocity / area while the other box is shorter than this one, falls as it comes to span both.
   const double room = limits.acceleration * area - velocity * decay;
   if (velocity > limits.acceleration * area) {
     const double spanning = room > 0.0 ? velocity * half * (1.0 - decay) / room : 2.0 * half;
-    other = greater(other, spanning < 2.0 * half ? spanning : velocity / limits.acceleration);
+    other = math::greater(other, spanning < 2.0 * half ? spanning : velocity / limits.acceleration);
   }
   return BoxPair{{half, other}};
 }
@@ -136,7 +133,7 @@ Candidate velocity_form(const Task& task, double half, double decay) {
   const double velocity = task.distance / (half * (1.0 + decay));
   const RampLimits& up = task.ramp[0];
   const RampLimits& down = task.ramp[1];
-  const RampLimits weaker{lesser(up.acceleration, down.acceleration), lesser(up.jerk, down.jerk)};
+  const RampLimits weaker{math::lesser(up.acceleration, down.acceleration), math::lesser(up.jerk, down.jerk)};
   BoxPair ramp{};
   double factor = 1.0;
   for (int i = 0; i < 3; ++i) {
@@ -175,8 +172,8 @@ struct PlacedRamp {
   double jerk;
 
   double acceleration_at(double time) const {
-    const double into = greater(lesser(time - at, ticks - (time - at)), 0.0);
-    return jerk * lesser(into, jerk_ticks);
+    const double into = math::greater(math::lesser(time - at, ticks - (time - at)), 0.0);
+    return jerk * math::lesser(into, jerk_ticks);
   }
   double jerk_between(double time, double end) const {
     const double middle = (time - at) / 2.0 + (end - at) / 2.0;
@@ -225,7 +222,8 @@ double velocity_ramp_ticks(const MatchedShape& shape, double ticks) {
   const double allowed = overlap(least, shape.half, shape.decay) / (least * least);
   for (int halves = 2; halves >= 1; --halves) {
     if (overlap(ticks, shape.half, shape.decay) / (ticks * ticks) <= allowed) break;
-    ticks = lesser(ticks, greater(halves * shape.half * (1.0 - 0x1p-40), least));  // whatever rounding does to them
+    ticks = math::lesser(
+        ticks, math::greater(halves * shape.half * (1.0 - 0x1p-40), least));  // whatever rounding does to them
   }
   return ticks;
 }
@@ -270,7 +268,7 @@ void write_matched(Plan& plan, uint32_t duration_ticks) {
     const double share = (repeated ? shape.decay : 1.0) / (1.0 + shape.decay);
     const double jerk = velocity * share / (boxes.box[0] * boxes.box[1]);
     ramps[i].at = (i % 2 == 0 ? 0.0 : begins) + (repeated ? shape.half : 0.0);
-    ramps[i].jerk_ticks = lesser(boxes.box[0], boxes.box[1]);
+    ramps[i].jerk_ticks = math::lesser(boxes.box[0], boxes.box[1]);
     ramps[i].ticks = sum(boxes);
     ramps[i].jerk = i % 2 == 0 ? jerk : -jerk;
   }

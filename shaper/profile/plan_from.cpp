@@ -10,9 +10,6 @@ namespace stillpoint {
 
 namespace {
 
-double greater(double a, double b) { return a > b ? a : b; }
-double lesser(double a, double b) { return a < b ? a : b; }
-
 // The task in ticks, turned round by a sign of -1 where the way leads backwards.
 struct Task {
   double sign;
@@ -142,8 +139,8 @@ double keeping_jerk(const Motion& start, double limit, const RampLimits& up) {
   const double speed = math::magnitude(start.velocity);
   const double square = math::square(start.acceleration);
   if ((start.velocity > 0.0) == (start.acceleration > 0.0)) return square / (limit - speed);
-  const double turning = square - lesser(math::square(up.acceleration), 2.0 * up.jerk * limit);
-  return greater(square / (limit + speed), turning / speed);
+  const double turning = square - math::lesser(math::square(up.acceleration), 2.0 * up.jerk * limit);
+  return math::greater(square / (limit + speed), turning / speed);
 }
 
 // `reach`: the move's distance or change of velocity, in ticks.
@@ -157,15 +154,15 @@ Task task_of(const StartMotion& start, double reach, const AxisLimits& limits, d
   RampLimits down{limits.deceleration * tick_2, limits.braking_jerk() * tick_2 * tick_s};
   const double speed = math::magnitude(motion.velocity);
   const double steepness = math::magnitude(motion.acceleration);
-  const double strongest = greater(greater(up.acceleration, down.acceleration), steepness);
-  const double farthest = greater(greater(reach, speed), steepness);
-  const double enough = lesser(kPerAcceleration * strongest, kPerReach * farthest);
-  const double useful = greater(keeping_jerk(motion, limit, up), enough);
-  up.jerk = lesser(up.jerk, useful);
-  down.jerk = lesser(down.jerk, useful);
+  const double strongest = math::greater(math::greater(up.acceleration, down.acceleration), steepness);
+  const double farthest = math::greater(math::greater(reach, speed), steepness);
+  const double enough = math::lesser(kPerAcceleration * strongest, kPerReach * farthest);
+  const double useful = math::greater(keeping_jerk(motion, limit, up), enough);
+  up.jerk = math::lesser(up.jerk, useful);
+  down.jerk = math::lesser(down.jerk, useful);
   // Cruising stays this much below its limit, so that a track's rounding over a million ticks does not pass it.
   constexpr double kBelowLimit = 1.0 - 1024.0 * DBL_EPSILON;
-  return Task{1.0, greater(kBelowLimit * limit, speed > limit ? 0.0 : speed), BothRamps{up, down}, motion};
+  return Task{1.0, math::greater(kBelowLimit * limit, speed > limit ? 0.0 : speed), BothRamps{up, down}, motion};
 }
 
 // Writes the phases and, to the end of the last tick, what the last of them leads to.

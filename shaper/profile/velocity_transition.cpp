@@ -9,8 +9,6 @@ namespace stillpoint {
 
 namespace {
 
-double lesser(double a, double b) { return a < b ? a : b; }
-
 [[gnu::noinline]] double half_square(double a) { return a * a / 2.0; }
 
 // A change upwards; `sign` turns it round for one downwards.
@@ -26,7 +24,8 @@ class Rise {
     if (target - velocity_ <= rounding && acceleration_ == 0.0) return;
     if (velocity_ < 0.0) {
       const double level = half_square(limits.up.acceleration);
-      rise_to(lesser(target, 0.0), target > 0.0 ? lesser(level, limits.up.jerk * target) : 0.0, limits.down);
+      rise_to(math::lesser(target, 0.0), target > 0.0 ? math::lesser(level, limits.up.jerk * target) : 0.0,
+              limits.down);
     }
     if (target > 0.0) rise_to(target, 0.0, limits.up);
   }
@@ -47,14 +46,14 @@ class Rise {
     const double energy = half_square(acceleration_);
     const double level = half_square(limits.acceleration);
     const double climb = limits.jerk * (end - velocity_);
-    const double least = lesser(level, end_energy);
+    const double least = math::lesser(level, end_energy);
     if (energy - climb > least)
       return end_energy > 0.0 ? fall_to(end, energy - climb, limits.jerk) : jerk_to(0.0, limits.jerk);
     if (energy + climb <= least) return jerk_to_end(acceleration_at(energy + climb), end, limits.jerk);
     const double apex = (climb + end_energy + energy) / 2.0;
     jerk_to(apex > level ? limits.acceleration : acceleration_at(apex), limits.jerk);
     if (apex > level) append((end - (level - least) / limits.jerk - velocity_) / acceleration_, acceleration_, 0.0);
-    if (end_energy == 0.0 || (end_energy < level && lesser(apex, level) <= climb)) {
+    if (end_energy == 0.0 || (end_energy < level && math::lesser(apex, level) <= climb)) {
       jerk_to(acceleration_at(end_energy), limits.jerk);
     } else if (end_energy < level) {
       fall_to(end, end_energy, limits.jerk);

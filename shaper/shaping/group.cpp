@@ -89,7 +89,6 @@ void append_delay(int64_t delay, ShaperDesign& design) {
 }
 
 uint32_t larger(uint32_t a, uint32_t b) { return a > b ? a : b; }
-double higher(double a, double b) { return a > b ? a : b; }
 
 // On a step high enough for the rounding of the signal not to count.
 ContourLag lag_between(Shaper& first, Shaper& second, uint32_t length_ticks) {
@@ -99,7 +98,7 @@ ContourLag lag_between(Shaper& first, Shaper& second, uint32_t length_ticks) {
   for (uint32_t tick = 0; tick <= length_ticks; ++tick) {
     const double apart = static_cast<double>(first.tick(kStep) - second.tick(kStep)) / static_cast<double>(kStep);
     sum += apart;
-    lag.corner_ticks = higher(lag.corner_ticks, math::magnitude(sum));
+    lag.corner_ticks = math::greater(lag.corner_ticks, math::magnitude(sum));
     lag.worst_ticks += math::magnitude(apart);
   }
   lag.steady_ticks = math::magnitude(sum);
@@ -107,8 +106,8 @@ ContourLag lag_between(Shaper& first, Shaper& second, uint32_t length_ticks) {
 }
 
 void raise(const ContourLag& lag, uint32_t first_axis, uint32_t second_axis, ContourLag& most) {
-  most.steady_ticks = higher(most.steady_ticks, lag.steady_ticks);
-  most.corner_ticks = higher(most.corner_ticks, lag.corner_ticks);
+  most.steady_ticks = math::greater(most.steady_ticks, lag.steady_ticks);
+  most.corner_ticks = math::greater(most.corner_ticks, lag.corner_ticks);
   if (lag.worst_ticks <= most.worst_ticks) return;
   most.worst_ticks = lag.worst_ticks;
   most.first_axis = first_axis;
@@ -160,7 +159,7 @@ ShaperCost cost_of(const ShaperDesign* each, size_t count) {
   ShaperCost group{};
   for (size_t i = 0; i < count; ++i) {
     const ShaperCost axis = cost_of(each[i]);
-    group.delay_ticks = higher(group.delay_ticks, axis.delay_ticks);
+    group.delay_ticks = math::greater(group.delay_ticks, axis.delay_ticks);
     group.length_ticks = larger(group.length_ticks, axis.length_ticks);
     group.line_signals += axis.line_signals;
     group.taps_per_tick += axis.taps_per_tick;
