@@ -26,7 +26,6 @@ struct Rig {
 constexpr int kIdleTicks = 200;
 
 TuneConfig config_of(const TuneTask& task) {
-  const AccelerometerConfig& sensor = task.drive.accelerometer;
   TuneConfig config{};
   config.excitation = task.excitation;
   config.source = task.source;
@@ -36,7 +35,7 @@ TuneConfig config_of(const TuneTask& task) {
   config.low_hz = task.low_hz;
   config.high_hz = task.high_hz;
   config.tolerance = task.tolerance;
-  config.sensor_highest = static_cast<int32_t>(std::min(sensor.range / sensor.resolution, 2147483647.0));
+  config.sensor_highest = highest_reading(task.drive.accelerometer);
   config.sensor_lowest = -config.sensor_highest;
   return config;
 }
@@ -115,6 +114,10 @@ class Bench {
 };
 
 }  // namespace
+
+int32_t highest_reading(const AccelerometerConfig& sensor) {
+  return static_cast<int32_t>(std::min(sensor.range / sensor.resolution, 2147483647.0));
+}
 
 const char* text(TuneExcitation excitation) {
   switch (excitation) {

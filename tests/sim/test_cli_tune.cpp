@@ -166,6 +166,12 @@ TEST_HOST(tune_refuses_by_the_options_name) {
   check_refused(2, "option: --shaper: not known to `tune`", arm + "--shaper zv:11:0.11");
 }
 
+TEST_HOST(hil_takes_what_a_tuning_needs_with_tune_alone) {
+  const std::string hil = "hil --elf x" + kMove.substr(4) + "--arm 11:0.11 ";
+  check_refused(2, "--noise: 0.1: given alone, it is accepted with --tune", hil + "--shaper zv:11:0.11 --noise 0.1");
+  check_refused(2, "--shaper: zv:11:0.11: with --tune the drive finds its own", hil + "--tune --shaper zv:11:0.11");
+}
+
 TEST_HOST(tune_draws_the_record_the_spectrum_and_the_moves) {
   if (std::system("gnuplot --version >/dev/null 2>&1") != 0) return;
   const std::string picture = scratch_file("tune.svg");
