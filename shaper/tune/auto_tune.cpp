@@ -13,7 +13,7 @@ constexpr double kMostGaps = 0.01;         // of the ticks that are recorded
 constexpr double kClearlyBetter = 0.5;     // of the plain ringing, at most
 constexpr double kWorthProposing = 0.5;    // a shaper that may leave more is none
 constexpr double kFaded = 0.1;             // of the plain ringing, what may be left of it when it is verified
-constexpr double kLongestWait_s = 60.0;    // for that
+constexpr double kLongestWait = 60.0;      // seconds, for that
 constexpr double kLeastAmplitude = 0.002;  // of a mode over the strongest one's
 constexpr int kErrorFractionBits = 16;
 constexpr double kCountsPerError = 1.0 / (1 << kErrorFractionBits);
@@ -31,7 +31,7 @@ double fading_time_s(const Identification& found) {
     const double time = fades / (2.0 * math::kPi * mode.frequency_hz * mode.damping_ratio);
     if (time > longest) longest = time;
   }
-  return longest < kLongestWait_s ? longest : kLongestWait_s;
+  return longest < kLongestWait ? longest : kLongestWait;
 }
 
 bool is_an_end(TuneState state) {

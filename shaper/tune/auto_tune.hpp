@@ -33,8 +33,8 @@ enum class TuneState : uint8_t {
 };
 
 // `source_enough`: the deviations of f and zeta that the source gave are so small that the shaper proposed keeps the
-// tolerance wherever in two of them either way the modes may be. For the following error, which shows the arm only as far
-// as it shakes its motor, that is the question whether an accelerometer is needed.
+// tolerance wherever in two of them either way the modes may be. For the following error, which shows the arm only as
+// far as it shakes its motor, that is the question whether an accelerometer is needed.
 struct TuneReport {
   TuneState state;
   uint32_t progress_percent;
