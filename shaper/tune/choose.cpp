@@ -22,7 +22,7 @@ constexpr uint8_t kHalfZeros[] = {2, 4, 5, 6, 8};
 double larger(double a, double b) { return a > b ? a : b; }
 double smaller(double a, double b) { return a < b ? a : b; }
 
-double rounded(double value, double per_one) { return math::floor(value * per_one + 0.5) / per_one; }
+double rounded(double value, double per_one) { return static_cast<uint32_t>(value * per_one + 0.5) / per_one; }
 
 ModeBand band_of(const IdentifiedMode& mode, double tick_s) {
   const double half = larger(kDeviations * mode.frequency_std_hz, kLeastWidth * mode.frequency_hz);

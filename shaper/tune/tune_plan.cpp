@@ -18,7 +18,7 @@ constexpr double kMovesStill = 0.01;  // of the most it moved in a window
 constexpr double kLeastCounts = 2.0;  // what an encoder flickers by
 constexpr uint32_t kMostDecimation = 64;
 
-Status between(Quantity quantity, double value, double low, double high) {
+[[gnu::noinline]] Status between(Quantity quantity, double value, double low, double high) {
   if (!math::is_finite(value)) return refuse(Error::kNotFinite, quantity, value);
   if (value < low) return refuse(Error::kBelowMinimum, quantity, value, low);
   if (value > high) return refuse(Error::kAboveMaximum, quantity, value, high);
@@ -49,7 +49,7 @@ Status plan_listening(const TuneConfig& config, double tick_s, uint32_t samples,
   if (record_s * decimation * config.low_hz < kLeastPeriods)
     return refuse(Error::kBelowMinimum, Quantity::kFrequency, config.low_hz, kLeastPeriods / (record_s * decimation));
   listen.rate_hz = 1.0 / (tick_s * decimation);
-  const double window = math::floor(kWindow / tick_s);
+  const double window = kWindow / tick_s;
   const uint32_t most = samples / 2 * decimation;
   listen.window_ticks = window < 8.0 ? 8 : window < most ? static_cast<uint32_t>(window) : most;
   listen.patience_ticks = static_cast<uint32_t>(kPatience / tick_s);

@@ -428,6 +428,17 @@ TEST(no_sensor_finds_no_mode) {
   }
 }
 
+TEST(an_accelerometer_that_reads_nothing_at_rest_is_heard_once_it_moves) {
+  sim::SimulatedDriveConfig drive = drive_config(kArm, 3);
+  drive.accelerometer.noise = 0.0;
+  TuningRig rig(drive);
+  TEST_ASSERT_OK(rig.tune.start(tune_config(kDistance), nullptr));
+  TEST_ASSERT_EQUAL_ENUM(TuneSource::kAuto, rig.tune.report().source);
+  TEST_ASSERT_TRUE(rig.run());
+  TEST_ASSERT_EQUAL_ENUM(TuneState::kKept, rig.tune.report().state);
+  TEST_ASSERT_EQUAL_ENUM(TuneSource::kAccelerometer, rig.tune.report().source);
+}
+
 TEST(a_hum_is_no_mode_and_does_not_hide_one) {
   for (const bool has_arm : {false, true}) {
     TuningRig rig(has_arm ? kArm : sim::ArmModes{});
