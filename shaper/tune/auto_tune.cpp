@@ -249,6 +249,7 @@ void AutoTune::look_at_plain(const Record& record, const IdentifyScratch& scratc
   IdentifyConfig config;
   config.rate_hz = plan_.listen.rate_hz;
   config.least_amplitude = kLeastAmplitude;
+  config.ends_known = report_.source == TuneSource::kFollowingError || config_.sensor_lowest < config_.sensor_highest;
   faded_at_ = axis_->state().tick;
   const Status status = identify(record, config, scratch, found, meanwhile);
   if (abort_asked_) return;

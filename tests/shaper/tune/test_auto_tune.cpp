@@ -497,6 +497,16 @@ TEST(a_hum_is_no_mode_and_does_not_hide_one) {
   }
 }
 
+TEST(noise_is_no_mode) {
+  for (uint64_t seed = 1; seed <= 40; ++seed) {
+    TEST_INFO(seed, seed);
+    TuningRig rig(sim::ArmModes{}, seed);
+    TEST_ASSERT_OK(rig.tune.start(tune_config(kDistance), nullptr));
+    TEST_ASSERT_TRUE(rig.run());
+    TEST_ASSERT_TRUE(rig.tune.report().state != TuneState::kKept);
+  }
+}
+
 TEST(modes_outside_the_band_are_nobodys) {
   TuningRig rig(kArm);
   TuneConfig config = tune_config(kDistance);
