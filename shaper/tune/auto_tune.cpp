@@ -69,10 +69,7 @@ Status AutoTune::start(const TuneConfig& config, Announcement* announced) {
   report_.state = TuneState::kExciting;
   report_.excited_by = TuneExcitation::kMove;
   report_.announced = plan.announced;
-  const bool to_error =
-      config.source == TuneSource::kFollowingError || (config.source == TuneSource::kAuto && load(accelerates_) == 0);
-  report_.source = to_error ? TuneSource::kFollowingError : TuneSource::kAccelerometer;
-  store(to_error_, to_error ? 1 : 0);
+  report_.source = config.source;
   store(stopped_, 0);
   step_ = Step::kUnshape;
   if (announced != nullptr) *announced = plan.announced;
@@ -252,6 +249,7 @@ void AutoTune::look_at_plain(const Record& record, const IdentifyScratch& scratc
   IdentifyConfig config;
   config.rate_hz = plan_.listen.rate_hz;
   config.least_amplitude = kLeastAmplitude;
+  config.ends_known = report_.source == TuneSource::kFollowingError || config_.sensor_lowest < config_.sensor_highest;
   faded_at_ = axis_->state().tick;
   const Status status = identify(record, config, scratch, found, meanwhile);
   if (abort_asked_) return;

@@ -212,6 +212,49 @@ TEST_F(Tuning, what_cannot_be_done_is_refused_by_name_and_nothing_moves) {
   start();
 }
 
+TEST(soft_limits_hold_for_the_way_there_and_back) {
+  const auto rig_from = [](int32_t start) {
+    sim::SimulatedDriveConfig drive = drive_config(kArm, 1);
+    drive.start = signal_from_counts(start);
+    return TuningRig(drive, [](AxisConfig& axis) {
+      axis.soft_low_counts = -1000;
+      axis.soft_high_counts = 600000;
+    });
+  };
+  TuningRig inside = rig_from(0);
+  TEST_ASSERT_REFUSED(kAboveMaximum, kPosition, inside.tune.start(tune_config(kDistance), nullptr));
+  TEST_ASSERT_OK(inside.tune.start(tune_config(500000), nullptr));
+  // A single command may lead back in; a tuning would have to come out again.
+  TuningRig outside = rig_from(-2000);
+  TEST_ASSERT_REFUSED(kBelowMinimum, kPosition, outside.tune.start(tune_config(500000), nullptr));
+}
+
+TEST(a_rotary_axis_is_tuned_over_the_place_where_it_reads_zero) {
+  for (const Approach approach : {Approach::kShortest, Approach::kPositive, Approach::kNegative}) {
+    sim::SimulatedDriveConfig drive = drive_config(kArm, 1);
+    drive.start = signal_from_counts(900000) + 12345;  // between two counts
+    TuningRig rig(drive, [](AxisConfig& axis) { axis.modulo_counts = 1200000; });
+    TEST_ASSERT_OK(rig.configured);
+    TuneConfig config = tune_config(200000);
+    config.move.approach = approach;
+    Signal low = drive.start;
+    Signal high = drive.start;
+    rig.on_tick = [&](Signal setpoint) {
+      low = std::min(low, setpoint);
+      high = std::max(high, setpoint);
+    };
+    const int32_t begins_at = rig.axis->reading_counts();
+    Announcement announced{};
+    TEST_ASSERT_OK(rig.tune.start(config, &announced));
+    TEST_ASSERT_TRUE(rig.run());
+    TEST_INFO(approach, static_cast<int>(approach));
+    TEST_ASSERT_EQUAL_ENUM(TuneState::kKept, rig.tune.report().state);
+    TEST_ASSERT_EQUAL_INT32(begins_at, rig.axis->reading_counts());
+    const Signal swept = high - low;
+    TEST_ASSERT_DOUBLE_WITHIN(1.0, announced.travel, static_cast<double>(swept) / 4294967296.0);
+  }
+}
+
 TEST_F(Tuning, a_moving_axis_is_not_tuned) {
   TEST_ASSERT_OK(rig.axis->command(config.move, nullptr));
   TEST_ASSERT_REFUSED(kBusy, kNone, rig.tune.start(config, nullptr));
@@ -451,6 +494,16 @@ TEST(a_hum_is_no_mode_and_does_not_hide_one) {
     TEST_INFO(has_arm, has_arm);
     TEST_ASSERT_EQUAL_ENUM(has_arm ? TuneState::kKept : TuneState::kFailed, rig.tune.report().state);
     if (has_arm) TEST_ASSERT_TRUE(is_found(rig.tune.report(), 11.0, 0.03));
+  }
+}
+
+TEST(noise_is_no_mode) {
+  for (uint64_t seed = 1; seed <= 40; ++seed) {
+    TEST_INFO(seed, seed);
+    TuningRig rig(sim::ArmModes{}, seed);
+    TEST_ASSERT_OK(rig.tune.start(tune_config(kDistance), nullptr));
+    TEST_ASSERT_TRUE(rig.run());
+    TEST_ASSERT_TRUE(rig.tune.report().state != TuneState::kKept);
   }
 }
 
