@@ -22,9 +22,6 @@ struct Rig {
   TuneMemory memory;
 };
 
-// What a drive has seen of its accelerometer before anybody asks it to tune.
-constexpr int kIdleTicks = 200;
-
 TuneConfig config_of(const TuneTask& task) {
   TuneConfig config{};
   config.excitation = task.excitation;
@@ -48,7 +45,6 @@ class Bench {
     rig_->tune.begin(rig_->axis, rig_->memory);
     // As the firmware enables: from where the encoder says that the motor stands.
     rig_->axis.reset(drive_.exchange({0, false}).position);
-    for (int i = 0; i < kIdleTicks; ++i) tick();
   }
 
   Tuning run(const OnProgress& on_progress) {
