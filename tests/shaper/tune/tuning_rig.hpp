@@ -42,6 +42,8 @@ inline TuneConfig tune_config(int32_t distance_counts) {
   config.high_hz = 250.0;
   config.tolerance = 0.02;
   config.accept_by_itself = true;
+  config.sensor_lowest = INT16_MIN;
+  config.sensor_highest = INT16_MAX;
   return config;
 }
 
