@@ -9,29 +9,28 @@ namespace stillpoint {
 
 namespace {
 
-constexpr double kMostGaps = 0.01;         // of the ticks that are recorded
-constexpr double kClearlyBetter = 0.5;     // of the plain ringing, at most
-constexpr double kWorthProposing = 0.5;    // a shaper that may leave more is none
-constexpr double kFaded = 0.1;             // of the plain ringing, what may be left of it when it is verified
-constexpr double kLongestWait = 60.0;      // seconds, for that
-constexpr double kLeastAmplitude = 0.002;  // of a mode over the strongest one's
+constexpr double kMostGaps = 0.01;       // of the ticks that are recorded
+constexpr double kClearlyBetter = 0.5;   // of the plain ringing, at most
+constexpr double kWorthProposing = 0.5;  // a shaper that may leave more is none
+constexpr double kFaded = 0.1;           // of the plain ringing, what may be left of it when it is verified
+constexpr double kFades = 2.302585 / (2.0 * math::kPi);  // to that, in periods times damping
+constexpr double kLeastDecay = kFades / 60.0;            // frequency times damping: a minute is waited at most
+constexpr double kLeastAmplitude = 0.002;                // of a mode over the strongest one's
 constexpr int kErrorFractionBits = 16;
 constexpr double kCountsPerError = 1.0 / (1 << kErrorFractionBits);
 
 Status busy_now() { return refuse(Error::kBusy, Quantity::kNone, 0.0); }
 
-// Until the ringing found has faded, from the first sample on.
+// Until every mode that matters has faded, from the first sample on.
 double fading_time_s(const Identification& found) {
-  double sum = 0.0;
-  for (size_t k = 0; k < found.mode_count; ++k) sum += found.mode[k].amplitude;
-  double longest = 0.0;
+  double slowest = 0.0;
   for (size_t k = 0; k < found.mode_count; ++k) {
     const IdentifiedMode& mode = found.mode[k];
-    const double fades = mode.amplitude > kFaded * sum ? math::log(mode.amplitude / (kFaded * sum)) : 0.0;
-    const double time = fades / (2.0 * math::kPi * mode.frequency_hz * mode.damping_ratio);
-    if (time > longest) longest = time;
+    const double decay = mode.frequency_hz * mode.damping_ratio;
+    const bool matters = mode.amplitude > kFaded * found.mode[0].amplitude;
+    if (k == 0 || (matters && decay < slowest)) slowest = decay;
   }
-  return longest < kLongestWait ? longest : kLongestWait;
+  return kFades / (slowest > kLeastDecay ? slowest : kLeastDecay);
 }
 
 bool is_an_end(TuneState state) {

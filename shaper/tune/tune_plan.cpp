@@ -67,15 +67,14 @@ Status plan_move(AxisCore& axis, const TuneConfig& config, TunePlan& plan) {
   back.duration_s = 0.0;
   back.target_counts = axis.config().modulo_counts != 0 ? axis.reading_counts() : counts_from_signal(from);
   plan.home_counts = back.target_counts;
-  Status status = axis.preview(config.move, plan.target, report);
-  const MoveReport there = report;
-  if (status.ok()) status = axis.preview(back, plan.home, report);
+  Status status = axis.preview(back, plan.home, report);
+  if (status.ok()) status = axis.preview(config.move, plan.target, report);
   if (!status.ok()) return status;
   const double distance =
       math::abs(static_cast<double>(wrapping_difference(plan.target, from)) / static_cast<double>(kSignalPerCount));
   if (distance == 0.0) return refuse(Error::kNotPositive, Quantity::kDistance, 0.0);
-  plan.announced = Announcement{distance, there.peaks.velocity, there.peaks.acceleration, there.peaks.jerk,
-                                there.profile_ticks * axis.config().tick_s};
+  plan.announced = Announcement{distance, report.peaks.velocity, report.peaks.acceleration, report.peaks.jerk,
+                                report.profile_ticks * axis.config().tick_s};
   return between(Quantity::kTravel, distance, 0.0, config.travel_counts);
 }
 

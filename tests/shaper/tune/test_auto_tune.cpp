@@ -186,7 +186,7 @@ TEST_F(Tuning, what_cannot_be_done_is_refused_by_name_and_nothing_moves) {
   using C = TuneConfig;
   refused([](C& c) { c.move.limits.velocity *= 1.01; }, Error::kAboveMaximum, Quantity::kVelocity);
   refused([](C& c) { c.move.limits.acceleration = 0.0; }, Error::kNotPositive, Quantity::kAcceleration);
-  refused([](C& c) { c.move.limits.jerk = NAN; }, Error::kNotFinite, Quantity::kJerk);
+  refused([](C& c) { c.move.limits.jerk = math::kNan; }, Error::kNotFinite, Quantity::kJerk);
   refused([](C& c) { c.move.duration_s = -1.0; }, Error::kBelowMinimum, Quantity::kDuration);
   refused([](C& c) { c.move.duration_s = 0.1; }, Error::kBelowMinimum, Quantity::kDuration);
   refused([](C& c) { c.move.kind = ProfileKind::kTable; }, Error::kNotAvailable, Quantity::kTable);
@@ -194,7 +194,7 @@ TEST_F(Tuning, what_cannot_be_done_is_refused_by_name_and_nothing_moves) {
   refused([](C& c) { c.travel_counts = 699999.0; }, Error::kAboveMaximum, Quantity::kTravel);
   refused([](C& c) { c.travel_counts = 0.0; }, Error::kNotPositive, Quantity::kTravel);
   refused([](C& c) { c.low_hz = 0.0; }, Error::kNotPositive, Quantity::kFrequency);
-  refused([](C& c) { c.low_hz = NAN; }, Error::kNotFinite, Quantity::kFrequency);
+  refused([](C& c) { c.low_hz = math::kNan; }, Error::kNotFinite, Quantity::kFrequency);
   refused([](C& c) { c.high_hz = 1.0; }, Error::kBelowMinimum, Quantity::kFrequency);
   refused([](C& c) { c.high_hz = 401.0; }, Error::kAboveMaximum, Quantity::kFrequency);
   refused([](C& c) { c.low_hz = 0.5; }, Error::kBelowMinimum, Quantity::kFrequency);
