@@ -10,15 +10,16 @@ import json
 import subprocess
 import sys
 
-TUNE = ("--distance 1.7 --velocity 1.2 --acceleration 20 --jerk 600 --duration 1.62 --arm 11:0.11 "
-        "--noise 0.03 --encoder-noise 1")
+TUNE = "--distance 1.7 --velocity 1.2 --acceleration 20 --jerk 600 --duration 1.62 --noise 0.03 --encoder-noise 1 "
+THE_PAPERS_ARM = "--arm 11:0.11"
+A_STIFF_ARM = "--arm 11:0.11:1e-9"
 MOST_BYTES = 32 * 1024
 
 
-def run(stillpoint, elf):
-    done = subprocess.run([stillpoint, "hil", "--tune", "--elf", elf, "--json", *TUNE.split()], stdout=subprocess.PIPE,
-                          timeout=300)
-    if done.returncode != 0:
+def run(stillpoint, elf, arm, exit_code):
+    done = subprocess.run([stillpoint, "hil", "--tune", "--elf", elf, "--json", *(TUNE + arm).split()],
+                          stdout=subprocess.PIPE, timeout=300)
+    if done.returncode != exit_code:
         sys.exit(f"tune.py: {elf}: exit {done.returncode}: {done.stdout.decode()}")
     return json.loads(done.stdout)
 
@@ -31,7 +32,7 @@ def check(what, holds):
 def main():
     stillpoint, elfs = sys.argv[1], sys.argv[2:]
     for elf in elfs:
-        tuned = run(stillpoint, elf)
+        tuned = run(stillpoint, elf, THE_PAPERS_ARM, 0)
         mode = tuned["identified"]["modes"][0]
         print(f"{elf}: {mode['frequency_hz']:.4f} Hz, {mode['damping_ratio']:.5f}, {tuned['shaper']}, "
               f"{100 * tuned['residual_ratio']:.3f} % left, late {tuned['late_ticks']}, "
@@ -49,7 +50,10 @@ def main():
         check("late ticks", tuned["late_ticks"] == 0)
         # A figure of its own: an identification of 2048 samples in software doubles is far more than a tenth of this.
         check("instructions", 1e8 < tuned["instructions"] < 1e10)
-        check("the test image repeats itself", run(stillpoint, elf) == tuned)
+        check("the test image repeats itself", run(stillpoint, elf, THE_PAPERS_ARM, 0) == tuned)
+        stiff = run(stillpoint, elf, A_STIFF_ARM, 1)
+        check("an arm that does not ring", stiff["result"] == "no_mode" and not stiff["identified"]["modes"])
+        check("late ticks without a mode", stiff["late_ticks"] == 0)
 
 
 main()
