@@ -49,6 +49,9 @@ class ShaperSettings {
   // The shaper before `adopt` runs again, and the set is as it was when it was in force.
   void give_back();
 
+  // Registers 0131 to 0136 from what runs, which somebody else may have changed.
+  void show_in_force();
+
   // Nothing else has come into force since.
   bool adopted() const { return adopted_; }
 
@@ -85,7 +88,6 @@ class ShaperSettings {
   void refuse_design(const Status& status, uint32_t mode);
   void refuse_length(const Status& status);
   void refuse(uint16_t reason, Register culprit, uint32_t accepted);
-  void show_in_force();
 
   AxisCore* axis_ = nullptr;
   Parameters* parameters_ = nullptr;

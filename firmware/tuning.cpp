@@ -151,6 +151,8 @@ void TuneSettings::service(uint32_t now_ms, const Meanwhile& meanwhile) {
   leading_ = false;
   parts_.tuner->service(meanwhile);
   const TuneReport& report = parts_.tuner->report();
+  if (report.state != seen_) parts_.shaper->show_in_force();
+  seen_ = report.state;
   if (!running_ || parts_.tuner->busy()) return;
   running_ = false;
   finish(report);

@@ -21,7 +21,8 @@ namespace stillpoint::firmware {
 //
 // From then on until the end the tuner has the axis: set-points, applies and new axis limits are refused. Whatever
 // takes the axis out of operation enabled, or halts it, aborts the tuning. What is kept becomes the shaper set in
-// force (0100 on), so that it can be applied again and stored like any other.
+// force (0100 on), so that it can be applied again and stored like any other. Where the axis refuses a motion or a
+// shaper on the way, the tuning has failed and 0012 has the reason.
 class TuneSettings {
  public:
   struct Parts {
@@ -67,6 +68,7 @@ class TuneSettings {
   bool aborted_ = false;  // for what the drive does; once is enough
   bool undoing_ = false;  // what was kept
   uint32_t started_ms_ = 0;
+  TuneState seen_ = TuneState::kIdle;
 };
 
 }  // namespace stillpoint::firmware

@@ -22,11 +22,7 @@ struct Rig {
   TuneMemory memory;
 };
 
-// What a drive has seen of its accelerometer before anybody asks it to tune.
-constexpr int kIdleTicks = 200;
-
 TuneConfig config_of(const TuneTask& task) {
-  const AccelerometerConfig& sensor = task.drive.accelerometer;
   TuneConfig config{};
   config.excitation = task.excitation;
   config.source = task.source;
@@ -36,7 +32,7 @@ TuneConfig config_of(const TuneTask& task) {
   config.low_hz = task.low_hz;
   config.high_hz = task.high_hz;
   config.tolerance = task.tolerance;
-  config.sensor_highest = static_cast<int32_t>(std::min(sensor.range / sensor.resolution, 2147483647.0));
+  config.sensor_highest = highest_reading(task.drive.accelerometer);
   config.sensor_lowest = -config.sensor_highest;
   return config;
 }
@@ -49,7 +45,6 @@ class Bench {
     rig_->tune.begin(rig_->axis, rig_->memory);
     // As the firmware enables: from where the encoder says that the motor stands.
     rig_->axis.reset(drive_.exchange({0, false}).position);
-    for (int i = 0; i < kIdleTicks; ++i) tick();
   }
 
   Tuning run(const OnProgress& on_progress) {
@@ -115,6 +110,10 @@ class Bench {
 };
 
 }  // namespace
+
+int32_t highest_reading(const AccelerometerConfig& sensor) {
+  return static_cast<int32_t>(std::min(sensor.range / sensor.resolution, 2147483647.0));
+}
 
 const char* text(TuneExcitation excitation) {
   switch (excitation) {

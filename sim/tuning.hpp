@@ -44,6 +44,9 @@ struct Tuning {
   double record_begins_s;
 };
 
+// Raw, where it saturates.
+int32_t highest_reading(const AccelerometerConfig& sensor);
+
 // The words that people write for them.
 const char* text(TuneExcitation excitation);
 const char* text(TuneSource source);

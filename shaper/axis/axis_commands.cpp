@@ -74,6 +74,30 @@ Status AxisCore::find_target(const Move& move, const Differences& start, Signal 
   return kOk;
 }
 
+Status AxisCore::plan_at_rest(const Move& move, const AxisState& now, Signal& target, Plan& plan) const {
+  const Signal start = now.setpoint;
+  const Status status = find_target(move, standing(start), now.zero, target);
+  if (!status.ok()) return status;
+  const double distance =
+      to_double(Wide{0, static_cast<uint64_t>(wrapping_difference(target, start))}, kTrackFractionBits);
+  return plan_rest_to_rest(distance, move.limits, move.kind, config_.tick_s, plan, move.detail);
+}
+
+Status AxisCore::preview(const Move& move, Signal& target, MoveReport& report) {
+  Status status = check_ready();
+  if (status.ok()) status = check_move(move);
+  if (!status.ok()) return status;
+  const AxisState now = state();
+  Plan plan{};
+  status = plan_at_rest(move, now, target, plan);
+  report = MoveReport{};
+  report.optimum_ticks = plan.optimum_ticks;
+  if (status.ok()) status = time_plainly(move, now.setpoint, target, plan, report);
+  report.profile_ticks = plan.duration_ticks;
+  report.total_ticks = plan.duration_ticks;
+  return status;
+}
+
 Status AxisCore::command(const Move& move, MoveReport* report) {
   const uint32_t epoch = load(epoch_);
   const AxisState now = state();
@@ -83,19 +107,16 @@ Status AxisCore::command(const Move& move, MoveReport* report) {
   if (now.phase != AxisPhase::kAtRest) return command_in_flight(move, report);
   const Signal start = now.setpoint;
   Signal target = start;
-  status = find_target(move, standing(start), now.zero, target);
-  if (!status.ok()) return status;
-  const double distance =
-      to_double(Wide{0, static_cast<uint64_t>(wrapping_difference(target, start))}, kTrackFractionBits);
   Plan plan{};
-  status = plan_rest_to_rest(distance, move.limits, move.kind, config_.tick_s, plan, move.detail);
+  status = plan_at_rest(move, now, target, plan);
   const uint32_t least_ticks = plan.duration_ticks;
   MoveReport result{0, 0, plan.optimum_ticks, false};
   if (status.ok()) status = time_move(move, start, target, plan, result);
   if (!status.ok()) return status;
   Track::make(plan, start, target, tracks_[active_track_ ^ 1]);
+  const bool moves = plan.distance != 0.0;
   result.profile_ticks = plan.duration_ticks;
-  result.total_ticks = plan.duration_ticks + (distance != 0.0 ? running().length_ticks() : 0);
+  result.total_ticks = plan.duration_ticks + (moves ? running().length_ticks() : 0);
   if (report != nullptr) *report = result;
   const bool only_checked = plan.duration_ticks < least_ticks || result.timing == MoveTiming::kRaised;
   terms_[active_track_ ^ 1] = Terms{move, only_checked, false, 0.0, 0};

@@ -53,6 +53,10 @@ class AxisCore {
   // `report` may be null.
   Status command(const Move& move, MoveReport* report);
 
+  // What `command` at rest would do behind no shaper and without zero delay, and where the move would lead. Refuses as
+  // that does, and hands over nothing. Cost: one plan.
+  Status preview(const Move& move, Signal& target, MoveReport& report);
+
   // Velocity mode: to `velocity` (counts/s, signed, within limits.velocity) and on at it until another command, past
   // the end of the position range too; towards a soft limit, until it stands on that. At rest and in flight; takes over
   // and refuses as `command` does. Over the shaper's length it must stay below 2^31 counts.
@@ -170,6 +174,7 @@ class AxisCore {
   Status check_ready() const;
   Status check_wrap(double velocity) const;
   Status check_move(const Move& move) const;
+  Status plan_at_rest(const Move& move, const AxisState& now, Signal& target, Plan& plan) const;
   Status command_in_flight(const Move& move, MoveReport* report);
   Status find_target(const Move& move, const Differences& start, Signal zero, Signal& target) const;
   Status fly(const Flight& flight, MoveReport* report);

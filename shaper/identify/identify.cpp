@@ -200,7 +200,8 @@ Status identify(const Record& record, const IdentifyConfig& config, IdentifyScra
   }
   const Decomposition parts = decompose(record, scratch, meanwhile);
   Report(record, config, parts, scratch, meanwhile).write(result);
-  if (is_saturated(record) || (result.finding == Finding::kFound && is_flattened(record, result.model))) {
+  if ((!config.ends_known && is_saturated(record)) ||
+      (result.finding == Finding::kFound && is_flattened(record, result.model))) {
     result.finding = Finding::kSaturated;
     result.mode_count = 0;
     result.confidence = 0.0;

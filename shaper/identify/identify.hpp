@@ -13,6 +13,10 @@ struct IdentifyConfig {
   size_t most_modes = 3;          // reported, 1 to kMostComponents
   double least_amplitude = 0.02;  // of a mode, over the strongest one's (Li's threshold A_v); 0 to 1
 
+  // No sample was at the sensor's end, and somebody looked: equal ones in a top are chance then. (Two that stand as far
+  // from it on either side are equal in one record of a thousand.)
+  bool ends_known = false;
+
   Status validate() const;
 };
 

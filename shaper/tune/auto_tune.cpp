@@ -9,29 +9,28 @@ namespace stillpoint {
 
 namespace {
 
-constexpr double kMostGaps = 0.01;         // of the ticks that are recorded
-constexpr double kClearlyBetter = 0.5;     // of the plain ringing, at most
-constexpr double kWorthProposing = 0.5;    // a shaper that may leave more is none
-constexpr double kFaded = 0.1;             // of the plain ringing, what may be left of it when it is verified
-constexpr double kLongestWait_s = 60.0;    // for that
-constexpr double kLeastAmplitude = 0.002;  // of a mode over the strongest one's
+constexpr double kMostGaps = 0.01;       // of the ticks that are recorded
+constexpr double kClearlyBetter = 0.5;   // of the plain ringing, at most
+constexpr double kWorthProposing = 0.5;  // a shaper that may leave more is none
+constexpr double kFaded = 0.1;           // of the plain ringing, what may be left of it when it is verified
+constexpr double kFades = 2.302585 / (2.0 * math::kPi);  // to that, in periods times damping
+constexpr double kLeastDecay = kFades / 60.0;            // frequency times damping: a minute is waited at most
+constexpr double kLeastAmplitude = 0.002;                // of a mode over the strongest one's
 constexpr int kErrorFractionBits = 16;
 constexpr double kCountsPerError = 1.0 / (1 << kErrorFractionBits);
 
 Status busy_now() { return refuse(Error::kBusy, Quantity::kNone, 0.0); }
 
-// Until the ringing found has faded, from the first sample on.
+// Until every mode that matters has faded, from the first sample on.
 double fading_time_s(const Identification& found) {
-  double sum = 0.0;
-  for (size_t k = 0; k < found.mode_count; ++k) sum += found.mode[k].amplitude;
-  double longest = 0.0;
+  double slowest = 0.0;
   for (size_t k = 0; k < found.mode_count; ++k) {
     const IdentifiedMode& mode = found.mode[k];
-    const double fades = mode.amplitude > kFaded * sum ? math::log(mode.amplitude / (kFaded * sum)) : 0.0;
-    const double time = fades / (2.0 * math::kPi * mode.frequency_hz * mode.damping_ratio);
-    if (time > longest) longest = time;
+    const double decay = mode.frequency_hz * mode.damping_ratio;
+    const bool matters = mode.amplitude > kFaded * found.mode[0].amplitude;
+    if (k == 0 || (matters && decay < slowest)) slowest = decay;
   }
-  return longest < kLongestWait_s ? longest : kLongestWait_s;
+  return kFades / (slowest > kLeastDecay ? slowest : kLeastDecay);
 }
 
 bool is_an_end(TuneState state) {
@@ -69,10 +68,7 @@ Status AutoTune::start(const TuneConfig& config, Announcement* announced) {
   report_.state = TuneState::kExciting;
   report_.excited_by = TuneExcitation::kMove;
   report_.announced = plan.announced;
-  const bool to_error =
-      config.source == TuneSource::kFollowingError || (config.source == TuneSource::kAuto && load(accelerates_) == 0);
-  report_.source = to_error ? TuneSource::kFollowingError : TuneSource::kAccelerometer;
-  store(to_error_, to_error ? 1 : 0);
+  report_.source = config.source;
   store(stopped_, 0);
   step_ = Step::kUnshape;
   if (announced != nullptr) *announced = plan.announced;
@@ -180,9 +176,7 @@ Status AutoTune::start_listening() {
   capture.pre_trigger = plan_.listen.pre_trigger;
   capture.decimation = plan_.listen.decimation;
   capture.mean = true;
-  const bool to_error = report_.source == TuneSource::kFollowingError;
-  capture.lowest = to_error ? INT32_MIN : config_.sensor_lowest;
-  capture.highest = to_error ? INT32_MAX : config_.sensor_highest;
+  store(clipped_, 0);
   const Status status = capture_.start(capture, memory_->record, TuneMemory::kSamples);
   if (!status.ok()) return status;
   watch_.arm(plan_.listen.tolerance, plan_.listen.window_ticks, plan_.listen.patience_ticks);
@@ -209,7 +203,8 @@ void AutoTune::listen() {
 
 // True where there is no use in looking at it.
 bool AutoTune::record_is_flawed() {
-  const CaptureFlaws flaws = capture_.flaws();
+  CaptureFlaws flaws = capture_.flaws();
+  flaws.saturated = load(clipped_);
   if (!verifying_) report_.flaws = flaws;
   const double ticks = static_cast<double>(capture_.samples()) * plan_.listen.decimation;
   if (flaws.saturated == 0 && flaws.gaps <= kMostGaps * ticks) return false;
@@ -231,6 +226,7 @@ void AutoTune::give_up_record(Finding finding) {
 }
 
 void AutoTune::look(const Meanwhile& meanwhile) {
+  report_.source = load(to_error_) != 0 ? TuneSource::kFollowingError : TuneSource::kAccelerometer;
   if (record_is_flawed()) return;
   size_t size = 0;
   double* const memory = axis_->lend_memory(size);
@@ -252,6 +248,7 @@ void AutoTune::look_at_plain(const Record& record, const IdentifyScratch& scratc
   IdentifyConfig config;
   config.rate_hz = plan_.listen.rate_hz;
   config.least_amplitude = kLeastAmplitude;
+  config.ends_known = report_.source == TuneSource::kFollowingError || config_.sensor_lowest < config_.sensor_highest;
   faded_at_ = axis_->state().tick;
   const Status status = identify(record, config, scratch, found, meanwhile);
   if (abort_asked_) return;
@@ -350,11 +347,25 @@ void AutoTune::refused(const Status& status) {
 
 // --- tick -----------------------------------------------------------------------------------------------------------
 
-int32_t AutoTune::value_of(const TuneSample& sample) const {
-  if (load(to_error_) == 0) return sample.acceleration;
-  const Signal error =
-      wrapping_difference(sample.position, sample.setpoint) >> (kSignalFractionBits - kErrorFractionBits);
-  return error > INT32_MAX ? INT32_MAX : error < INT32_MIN ? INT32_MIN : static_cast<int32_t>(error);
+// Which sensor is known once the motion has shaken it.
+void AutoTune::choose_source() {
+  const bool to_error =
+      config_.source == TuneSource::kFollowingError || (config_.source == TuneSource::kAuto && load(accelerates_) == 0);
+  store(to_error_, to_error ? 1 : 0);
+}
+
+int32_t AutoTune::value_of(const TuneSample& sample) {
+  const bool to_error = load(to_error_) != 0;
+  const int32_t lowest = to_error ? INT32_MIN : config_.sensor_lowest;
+  const int32_t highest = to_error ? INT32_MAX : config_.sensor_highest;
+  int32_t value = sample.acceleration;
+  if (to_error) {
+    const Signal error =
+        wrapping_difference(sample.position, sample.setpoint) >> (kSignalFractionBits - kErrorFractionBits);
+    value = error > INT32_MAX ? INT32_MAX : error < INT32_MIN ? INT32_MIN : static_cast<int32_t>(error);
+  }
+  if (lowest < highest && sample.fresh && (value <= lowest || value >= highest)) store(clipped_, clipped_ + 1);
+  return value;
 }
 
 void AutoTune::tick(const TuneSample& sample) {
@@ -370,7 +381,7 @@ void AutoTune::tick(const TuneSample& sample) {
   if (load(listens_) == 0) return;
   if (watch_.tick(phase == AxisPhase::kAtRest, sample.position, sample.fresh)) capture_.trigger();
   // Not while it moves: a gap or a value at the sensor's end is no flaw of the record then.
-  if (!watch_.is_after_motion()) return;
+  if (!watch_.is_after_motion()) return choose_source();
   const int32_t value = value_of(sample);
   capture_.tick(&value, sample.fresh);
 }

@@ -33,13 +33,13 @@ enum class TuneState : uint8_t {
 };
 
 // `source_enough`: the deviations of f and zeta that the source gave are so small that the shaper proposed keeps the
-// tolerance wherever in two of them either way the modes may be. For the following error, which shows the arm only as far
-// as it shakes its motor, that is the question whether an accelerometer is needed.
+// tolerance wherever in two of them either way the modes may be. For the following error, which shows the arm only as
+// far as it shakes its motor, that is the question whether an accelerometer is needed.
 struct TuneReport {
   TuneState state;
   uint32_t progress_percent;
   TuneExcitation excited_by;      // what told, or was tried last
-  TuneSource source;              // that was listened to
+  TuneSource source;              // that was listened to; as configured until it was
   bool source_enough;             // see below
   Announcement announced;         // of the excitation under way or done
   Identification identification;  // its finding is that of the whole, also kTravelLimit and kAborted
@@ -132,7 +132,8 @@ class AutoTune {
   void end(TuneState state);
   void fail(Finding finding);
   void refused(const Status& status);
-  int32_t value_of(const TuneSample& sample) const;
+  void choose_source();
+  int32_t value_of(const TuneSample& sample);
 
   AxisCore* axis_ = nullptr;
   TuneMemory* memory_ = nullptr;
@@ -156,6 +157,7 @@ class AutoTune {
   uint32_t listens_ = 0;
   uint32_t to_error_ = 0;     // the following error, not the accelerometer
   uint32_t accelerates_ = 0;  // the accelerometer has read two different values
+  uint32_t clipped_ = 0;      // ticks of the rest with a value at the sensor's end
   uint32_t stopped_ = 0;      // a quick stop was seen
   RestWatch watch_;
   Capture capture_;

@@ -16,13 +16,13 @@ constexpr double kHumps = 0.9;        // the rest is for damping that differs
 constexpr ShaperKind kKinds[] = {ShaperKind::kZv, ShaperKind::kZvd, ShaperKind::kEi, ShaperKind::kZvdd,
                                  ShaperKind::kZvddd};
 constexpr uint32_t kKindCount = 5;
-// Zeros that each counts for at first sight. An EI of 5 % holds half as wide again as a ZVD.
-constexpr double kZeros[] = {1.0, 2.0, 2.5, 3.0, 4.0};
+// Twice the zeros that each counts for at first sight: an EI of 5 % holds half as wide again as a ZVD.
+constexpr uint8_t kHalfZeros[] = {2, 4, 5, 6, 8};
 
 double larger(double a, double b) { return a > b ? a : b; }
 double smaller(double a, double b) { return a < b ? a : b; }
 
-double rounded(double value, double per_one) { return math::floor(value * per_one + 0.5) / per_one; }
+double rounded(double value, double per_one) { return static_cast<uint32_t>(value * per_one + 0.5) / per_one; }
 
 ModeBand band_of(const IdentifiedMode& mode, double tick_s) {
   const double half = larger(kDeviations * mode.frequency_std_hz, kLeastWidth * mode.frequency_hz);
@@ -52,10 +52,11 @@ class Choice {
     if (!add_shaper(spec, tick_s_, zv).ok()) return;
     const double zv_leaves = worst(zv, band);
     double expected = others;
-    double zeros = 0.0;
+    const double half_zero = math::sqrt(zv_leaves);
+    uint32_t counted = 0;
     ShaperDesign best = design_;
     for (uint32_t i = 0; i < kKindCount; ++i) {
-      for (; zeros + 0.25 < kZeros[i]; zeros += 0.5) expected *= math::sqrt(zv_leaves);
+      for (; counted < kHalfZeros[i]; ++counted) expected *= half_zero;
       const bool is_last = i + 1 == kKindCount;
       if (expected > tolerance_ && !is_last) continue;
       spec.kind = kKinds[i];

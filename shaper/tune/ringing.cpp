@@ -42,14 +42,13 @@ Ringing ringing_of(const Record& record, double rate_hz, double low_hz, double h
   double weight = 0.0;
   if (!power_of_residual(record, rest, decay, scratch.buffer, size, weight)) return result;
   const auto points = static_cast<double>(size);
+  const double to_bin = points / rate_hz;
+  const auto last = static_cast<size_t>(high_hz * to_bin);
   double energy = 0.0;
-  double bins = 0.0;
-  for (size_t k = 1; k < size / 2; ++k) {
-    const double frequency = static_cast<double>(k) * rate_hz / points;
-    if (frequency < low_hz || frequency > high_hz) continue;
+  uint32_t counted = 0;
+  for (size_t k = static_cast<size_t>(low_hz * to_bin) + 1; k < size / 2 && k <= last; ++k, ++counted)
     energy += scratch.buffer[k];
-    bins += 1.0;
-  }
+  const double bins = counted;
   // Each bin stands for its mirror too. Bins nearer than the window is wide go up and down together.
   const double noise = math::square(found.noise);
   const double alike = (1.0 + decay / math::kPi) * points / count;

@@ -64,7 +64,7 @@ struct TunePlan {
 // end allows (kFrequency); a tolerance outside [kMinTolerance, kMaxTolerance]; an excitation or source that there is
 // not (kKind), or not here (kNotAvailable); less than kLeastTuneMemory doubles of `memory` (kLineTooShort). The axis at
 // rest. `samples`: room in the record.
-Status plan_tuning(const AxisCore& axis, const TuneConfig& config, size_t samples, size_t memory, TunePlan& plan);
+Status plan_tuning(AxisCore& axis, const TuneConfig& config, size_t samples, size_t memory, TunePlan& plan);
 
 constexpr size_t kLeastTuneMemory = 256;
 

@@ -107,9 +107,6 @@ TuneJob job_of(const MoveJobOptions& moves, const TuneOptions& options) {
   take_band(options.band, task);
   task.tolerance = sim::parse_within(options.tolerance, "--tolerance", kMinTolerance, kMaxTolerance);
   take_drive(job.moves, options, task.drive);
-  // Without noise it shows nothing of itself at rest, where a drive looks for it.
-  const bool silent = task.drive.accelerometer.noise == 0.0;
-  if (task.source == TuneSource::kAuto && silent) task.source = TuneSource::kAccelerometer;
   return job;
 }
 

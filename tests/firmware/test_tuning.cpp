@@ -161,6 +161,27 @@ TEST_F(Tunable, undo_puts_the_shaper_of_before_back_with_its_registers) {
   expect_refused(0x9200, 0x0200);
 }
 
+TEST_F(Tunable, the_shaper_s_registers_follow_what_runs) {
+  TEST_ASSERT_EQUAL_UINT32(0, write(0x0100, {1, 0, 0x0006, 0x1A80, 0, 0, 1, 0, 0, 0}));
+  TEST_ASSERT_EQUAL_UINT32(0, write_single(0x0130, 1));
+  step(50);
+  const uint32_t delay_us = get_wide(0x0134);
+  TEST_ASSERT_EQUAL_UINT32(0, tune(kStart));
+  reach(TuneState::kProposed);
+  TEST_ASSERT_EQUAL_UINT32(0, get(0x0131));  // excited without one
+  TEST_ASSERT_EQUAL_UINT32(0, get_wide(0x0134));
+  TEST_ASSERT_EQUAL_UINT32(0, tune(kAccept));
+  reach(TuneState::kVerifying);
+  step(1);
+  TEST_ASSERT_EQUAL_UINT32(1, get(0x0131));
+  TEST_ASSERT_EQUAL_UINT32(get_wide(0x023A), get_wide(0x0134));
+  TEST_ASSERT_EQUAL_UINT32(0, tune(kAbort));
+  reach(TuneState::kFailed);
+  step(1);
+  TEST_ASSERT_EQUAL_UINT32(1, get(0x0131));
+  TEST_ASSERT_EQUAL_UINT32(delay_us, get_wide(0x0134));
+}
+
 TEST_F(Tunable, undo_of_a_proposal_drops_it) {
   TEST_ASSERT_EQUAL_UINT32(0, tune(kStart));
   reach(TuneState::kProposed);

@@ -118,6 +118,18 @@ TEST_F(Refused, an_amplitude_beyond_the_position_range_names_what_there_is_room_
   TEST_ASSERT_EQUAL_UINT32(INT32_MAX, get_wide(0x0016));
 }
 
+TEST_F(Refused, what_the_axis_refuses_on_the_way_ends_it_with_the_reason) {
+  TEST_ASSERT_EQUAL_UINT32(0, tune(kStart));
+  AxisConfig slower = axis.config();
+  slower.maximum.velocity = 1e6;
+  TEST_ASSERT_OK(axis.configure(slower));
+  reach(TuneState::kFailed);
+  TEST_ASSERT_EQUAL_UINT32(6, get(0x020A));
+  expect_refused(firmware::reason_of(Error::kAboveMaximum, Quantity::kVelocity), 0x0060);
+  TEST_ASSERT_EQUAL_UINT32(1000000, get_wide(0x0016));
+  TEST_ASSERT_TRUE(still());
+}
+
 TEST_F(Refused, values_out_of_range_never_reach_the_tuner) {
   struct Row {
     uint32_t address, value, reason, accepted;

@@ -112,6 +112,21 @@ TEST_HOST(tune_says_why_there_is_no_mode) {
   check_refused(1, "tune: no_mode: ", stiff);
 }
 
+TEST_HOST(tune_tells_a_sensor_at_its_end_from_an_arm_that_does_not_ring) {
+  const Outcome outcome = run_program(kMove + "--arm 11:0.11 --range 10 --json");
+  TEST_ASSERT_EQUAL_INT32(1, outcome.exit_code);
+  const Json object = Json::parse(outcome.output);
+  REQUIRE(object.at("result") == "saturated");
+  TEST_ASSERT_TRUE(number(object.at("flaws"), "saturated") > 0.0);
+  REQUIRE(json_of(kMove + "--arm 11:0.11 --range 30").at("result") == "ok");
+}
+
+TEST_HOST(tune_of_a_noiseless_arm_finds_it_to_the_registers_last_digit) {
+  const Json tune = json_of(kMove + "--arm 11:0.11 --noise 0");
+  REQUIRE(tune.at("source") == "accelerometer");
+  REQUIRE(tune.at("shaper") == "zv:11:0.11");
+}
+
 TEST_HOST(tune_without_time_for_zero_delay_takes_the_least) {
   const Json tune =
       json_of("tune --distance 1.7 --velocity 1.2 --acceleration 20 --jerk 600 --duration 1.515 --arm 11:0.11");
@@ -164,6 +179,12 @@ TEST_HOST(tune_refuses_by_the_options_name) {
   check_refused(2, "--seed: x: ", arm + "--seed x");
   check_refused(2, "travel: ", arm + "--travel 0.5");  // the move needs more
   check_refused(2, "option: --shaper: not known to `tune`", arm + "--shaper zv:11:0.11");
+}
+
+TEST_HOST(hil_takes_what_a_tuning_needs_with_tune_alone) {
+  const std::string hil = "hil --elf x" + kMove.substr(4) + "--arm 11:0.11 ";
+  check_refused(2, "--noise: 0.1: given alone, it is accepted with --tune", hil + "--shaper zv:11:0.11 --noise 0.1");
+  check_refused(2, "--shaper: zv:11:0.11: with --tune the drive finds its own", hil + "--tune --shaper zv:11:0.11");
 }
 
 TEST_HOST(tune_draws_the_record_the_spectrum_and_the_moves) {

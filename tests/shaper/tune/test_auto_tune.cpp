@@ -186,7 +186,7 @@ TEST_F(Tuning, what_cannot_be_done_is_refused_by_name_and_nothing_moves) {
   using C = TuneConfig;
   refused([](C& c) { c.move.limits.velocity *= 1.01; }, Error::kAboveMaximum, Quantity::kVelocity);
   refused([](C& c) { c.move.limits.acceleration = 0.0; }, Error::kNotPositive, Quantity::kAcceleration);
-  refused([](C& c) { c.move.limits.jerk = NAN; }, Error::kNotFinite, Quantity::kJerk);
+  refused([](C& c) { c.move.limits.jerk = math::kNan; }, Error::kNotFinite, Quantity::kJerk);
   refused([](C& c) { c.move.duration_s = -1.0; }, Error::kBelowMinimum, Quantity::kDuration);
   refused([](C& c) { c.move.duration_s = 0.1; }, Error::kBelowMinimum, Quantity::kDuration);
   refused([](C& c) { c.move.kind = ProfileKind::kTable; }, Error::kNotAvailable, Quantity::kTable);
@@ -194,7 +194,7 @@ TEST_F(Tuning, what_cannot_be_done_is_refused_by_name_and_nothing_moves) {
   refused([](C& c) { c.travel_counts = 699999.0; }, Error::kAboveMaximum, Quantity::kTravel);
   refused([](C& c) { c.travel_counts = 0.0; }, Error::kNotPositive, Quantity::kTravel);
   refused([](C& c) { c.low_hz = 0.0; }, Error::kNotPositive, Quantity::kFrequency);
-  refused([](C& c) { c.low_hz = NAN; }, Error::kNotFinite, Quantity::kFrequency);
+  refused([](C& c) { c.low_hz = math::kNan; }, Error::kNotFinite, Quantity::kFrequency);
   refused([](C& c) { c.high_hz = 1.0; }, Error::kBelowMinimum, Quantity::kFrequency);
   refused([](C& c) { c.high_hz = 401.0; }, Error::kAboveMaximum, Quantity::kFrequency);
   refused([](C& c) { c.low_hz = 0.5; }, Error::kBelowMinimum, Quantity::kFrequency);
@@ -210,6 +210,49 @@ TEST_F(Tuning, what_cannot_be_done_is_refused_by_name_and_nothing_moves) {
   config.low_hz = 0.5;
   config.high_hz = 80.0;
   start();
+}
+
+TEST(soft_limits_hold_for_the_way_there_and_back) {
+  const auto rig_from = [](int32_t start) {
+    sim::SimulatedDriveConfig drive = drive_config(kArm, 1);
+    drive.start = signal_from_counts(start);
+    return TuningRig(drive, [](AxisConfig& axis) {
+      axis.soft_low_counts = -1000;
+      axis.soft_high_counts = 600000;
+    });
+  };
+  TuningRig inside = rig_from(0);
+  TEST_ASSERT_REFUSED(kAboveMaximum, kPosition, inside.tune.start(tune_config(kDistance), nullptr));
+  TEST_ASSERT_OK(inside.tune.start(tune_config(500000), nullptr));
+  // A single command may lead back in; a tuning would have to come out again.
+  TuningRig outside = rig_from(-2000);
+  TEST_ASSERT_REFUSED(kBelowMinimum, kPosition, outside.tune.start(tune_config(500000), nullptr));
+}
+
+TEST(a_rotary_axis_is_tuned_over_the_place_where_it_reads_zero) {
+  for (const Approach approach : {Approach::kShortest, Approach::kPositive, Approach::kNegative}) {
+    sim::SimulatedDriveConfig drive = drive_config(kArm, 1);
+    drive.start = signal_from_counts(900000) + 12345;  // between two counts
+    TuningRig rig(drive, [](AxisConfig& axis) { axis.modulo_counts = 1200000; });
+    TEST_ASSERT_OK(rig.configured);
+    TuneConfig config = tune_config(200000);
+    config.move.approach = approach;
+    Signal low = drive.start;
+    Signal high = drive.start;
+    rig.on_tick = [&](Signal setpoint) {
+      low = std::min(low, setpoint);
+      high = std::max(high, setpoint);
+    };
+    const int32_t begins_at = rig.axis->reading_counts();
+    Announcement announced{};
+    TEST_ASSERT_OK(rig.tune.start(config, &announced));
+    TEST_ASSERT_TRUE(rig.run());
+    TEST_INFO(approach, static_cast<int>(approach));
+    TEST_ASSERT_EQUAL_ENUM(TuneState::kKept, rig.tune.report().state);
+    TEST_ASSERT_EQUAL_INT32(begins_at, rig.axis->reading_counts());
+    const Signal swept = high - low;
+    TEST_ASSERT_DOUBLE_WITHIN(1.0, announced.travel, static_cast<double>(swept) / 4294967296.0);
+  }
 }
 
 TEST_F(Tuning, a_moving_axis_is_not_tuned) {
@@ -428,6 +471,17 @@ TEST(no_sensor_finds_no_mode) {
   }
 }
 
+TEST(an_accelerometer_that_reads_nothing_at_rest_is_heard_once_it_moves) {
+  sim::SimulatedDriveConfig drive = drive_config(kArm, 3);
+  drive.accelerometer.noise = 0.0;
+  TuningRig rig(drive);
+  TEST_ASSERT_OK(rig.tune.start(tune_config(kDistance), nullptr));
+  TEST_ASSERT_EQUAL_ENUM(TuneSource::kAuto, rig.tune.report().source);
+  TEST_ASSERT_TRUE(rig.run());
+  TEST_ASSERT_EQUAL_ENUM(TuneState::kKept, rig.tune.report().state);
+  TEST_ASSERT_EQUAL_ENUM(TuneSource::kAccelerometer, rig.tune.report().source);
+}
+
 TEST(a_hum_is_no_mode_and_does_not_hide_one) {
   for (const bool has_arm : {false, true}) {
     TuningRig rig(has_arm ? kArm : sim::ArmModes{});
@@ -440,6 +494,16 @@ TEST(a_hum_is_no_mode_and_does_not_hide_one) {
     TEST_INFO(has_arm, has_arm);
     TEST_ASSERT_EQUAL_ENUM(has_arm ? TuneState::kKept : TuneState::kFailed, rig.tune.report().state);
     if (has_arm) TEST_ASSERT_TRUE(is_found(rig.tune.report(), 11.0, 0.03));
+  }
+}
+
+TEST(noise_is_no_mode) {
+  for (uint64_t seed = 1; seed <= 40; ++seed) {
+    TEST_INFO(seed, seed);
+    TuningRig rig(sim::ArmModes{}, seed);
+    TEST_ASSERT_OK(rig.tune.start(tune_config(kDistance), nullptr));
+    TEST_ASSERT_TRUE(rig.run());
+    TEST_ASSERT_TRUE(rig.tune.report().state != TuneState::kKept);
   }
 }
 
@@ -479,8 +543,9 @@ TEST(an_arm_that_shakes_its_motor_is_found_from_the_following_error) {
   TEST_ASSERT_TRUE(tune->report().source_enough);
 }
 
-TEST(a_tuner_in_zeroed_memory_is_as_it_should_be) {
-  alignas(AutoTune) static unsigned char zeros[sizeof(AutoTune)];
+TEST(a_tuner_is_all_zeros_to_begin_with) {
   const auto tune = std::make_unique<AutoTune>();
-  TEST_ASSERT_EQUAL_INT32(0, std::memcmp(zeros, tune.get(), sizeof(AutoTune)));
+  std::vector<unsigned char> bytes(sizeof(AutoTune));
+  std::memcpy(bytes.data(), static_cast<const void*>(tune.get()), bytes.size());
+  TEST_ASSERT_TRUE(std::all_of(bytes.begin(), bytes.end(), [](unsigned char byte) { return byte == 0; }));
 }

@@ -124,7 +124,7 @@ double quantile(std::vector<double> values, double part) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  const int arms = argc > 1 ? std::atoi(argv[1]) : 100;
+  const int arms = argc > 1 ? static_cast<int>(std::strtol(argv[1], nullptr, 10)) : 100;
   const auto seed = argc > 2 ? std::strtoull(argv[2], nullptr, 10) : 1ULL;
   if (arms < 1) return 2;
   Random random(seed);

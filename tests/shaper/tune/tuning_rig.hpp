@@ -42,17 +42,22 @@ inline TuneConfig tune_config(int32_t distance_counts) {
   config.high_hz = 250.0;
   config.tolerance = 0.02;
   config.accept_by_itself = true;
+  config.sensor_lowest = INT16_MIN;
+  config.sensor_highest = INT16_MAX;
   return config;
 }
 
 class TuningRig {
  public:
   explicit TuningRig(const sim::ArmModes& arm, uint64_t seed = 1) : TuningRig(drive_config(arm, seed)) {}
-  explicit TuningRig(const sim::SimulatedDriveConfig& config)
+  // `change` what is wanted of the axis.
+  explicit TuningRig(const sim::SimulatedDriveConfig& config, const std::function<void(AxisConfig&)>& change = {})
       : axis(std::make_unique<Axis<2048>>()), memory(std::make_unique<TuneMemory>()), drive(config) {
     const AxisLimits& limits = paper_limits();
-    const AxisConfig of_axis{kTuneTick, limits, limits.acceleration, limits.jerk};
+    AxisConfig of_axis{kTuneTick, limits, limits.acceleration, limits.jerk};
+    if (change) change(of_axis);
     configured = axis->configure(of_axis);
+    axis->reset(config.start);
     tune.begin(*axis, *memory);
     for (int i = 0; i < 4; ++i) tick();
   }

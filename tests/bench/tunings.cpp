@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: Apache-2.0
+// Instructions, stack and memory of a tuning, from an unknown arm to a still one, on the chip. See counting.hpp.
+#include "shaper/axis/axis.hpp"
+#include "shaper/base/complex.hpp"
+#include "shaper/tune/auto_tune.hpp"
+#include "tests/bench/background.hpp"
+
+namespace {
+
+using namespace stillpoint;
+using namespace stillpoint::bench;
+
+constexpr double kTick = 1e-3;
+constexpr AxisLimits kLimits{1.2e6, 20e6, 20e6, 600e6};
+constexpr Mode kArm{11.0, 0.11};  // the paper's
+constexpr uint32_t kMostTickInstructions = 400;
+constexpr uint32_t kMostStackBytes = 12 * 1024;
+constexpr uint32_t kLongestGap = 50000000;
+
+Axis<2048> axis;
+TuneMemory memory;
+AutoTune tune;
+
+// A mode as its complex swing: an increment of the setpoint adds to it, a tick turns it by the pole. Steps of 16 g in
+// 16 bits, for an axis of a million counts a metre.
+class Arm {
+ public:
+  explicit Arm(const Mode& mode)
+      : pole_(math::exp(Complex{
+            -6.283185307179586 * mode.frequency_hz * mode.damping_ratio * kTick,
+            6.283185307179586 * mode.frequency_hz * kTick * math::sqrt(1.0 - math::square(mode.damping_ratio))})),
+        steps_(math::square(6.283185307179586 * mode.frequency_hz) * 1e-6 / 4.8e-3) {}
+
+  TuneSample tick(Signal setpoint) {
+    swing_ = swing_ * pole_ + Complex{static_cast<double>(setpoint - last_) / 4294967296.0, 0.0};
+    last_ = setpoint;
+    const double noise = random_.between(-6.0, 6.0);
+    return {setpoint, setpoint, math::nearest_integer(-swing_.re * steps_ + noise), true};
+  }
+
+ private:
+  Complex pole_;
+  double steps_;
+  Complex swing_{};
+  Signal last_ = 0;
+  testing::Random random_{1};
+};
+
+TEST_F(Counting, a_tuning_is_counted) {
+  TEST_ASSERT_OK(axis.configure({kTick, kLimits, kLimits.acceleration, kLimits.jerk}));
+  tune.begin(axis, memory);
+  TuneConfig config{};
+  config.move = Move{700000, ProfileKind::kSCurve, kLimits, 0.0, false};
+  config.travel_counts = 1e6;
+  config.low_hz = 2.0;
+  config.high_hz = 250.0;
+  config.tolerance = 0.02;
+  config.accept_by_itself = true;
+  Arm arm(kArm);
+  TEST_ASSERT_OK(tune.start(config, nullptr));
+  Count ticks, quick;
+  uint32_t identifying = 0, verifying = 0;
+  Paint::lay();
+  Watch watch;
+  for (int i = 0; i < 20000 && tune.busy(); ++i) {
+    const TuneSample sample = arm.tick(axis.tick());
+    measure(ticks, [&] { tune.tick(sample); });
+    const TuneState before = tune.report().state;
+    watch.last = instructions_now();
+    const uint64_t total = watch.total;
+    tune.service({Watch::look_at, &watch});
+    watch.look();
+    const auto took = static_cast<uint32_t>(watch.total - total);
+    if (before == TuneState::kIdentifying) {
+      identifying = took;
+    } else if (took > 1000000) {
+      verifying += took;
+    } else {
+      quick.add(took);
+    }
+  }
+  const uint32_t stack = Paint::bytes_used();
+  print("\ninstructions of a tuning of the paper's arm\n");
+  print_left("", 16), print("     least      mean      most\n");
+  print_row("AutoTune::tick", ticks);
+  print_row("service", quick);
+  print("identification and choice, millions: "), print(value_of(identifying / 1000000));
+  print("; design, and what is left: "), print(value_of(verifying / 1000000));
+  print("; most between two calls of Meanwhile: "), print(value_of(watch.gap / 1000000));
+  print("\nbytes: tuner "), print(value_of(static_cast<uint32_t>(sizeof(tune))));
+  print(", memory "), print(value_of(static_cast<uint32_t>(sizeof(memory))));
+  print(", stack "), print(value_of(stack)), print("\n");
+  const TuneReport& report = tune.report();
+  TEST_ASSERT_EQUAL_ENUM(TuneState::kKept, report.state);
+  TEST_ASSERT_EQUAL_UINT64(1, report.identification.mode_count);
+  TEST_ASSERT_DOUBLE_RELATIVE(0.005, kArm.frequency_hz, report.identification.mode[0].frequency_hz);
+  TEST_ASSERT_DOUBLE_RELATIVE(0.1, kArm.damping_ratio, report.identification.mode[0].damping_ratio);
+  TEST_ASSERT_AT_MOST_INT64(kMostTickInstructions, ticks.most());
+  TEST_ASSERT_AT_MOST_INT64(kLongestGap, watch.gap);
+  TEST_ASSERT_AT_MOST_INT64(kMostStackBytes, stack);
+}
+
+}  // namespace
