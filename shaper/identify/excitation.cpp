@@ -108,21 +108,22 @@ bool Excitation::lay_out(const ExcitationConfig& config) {
       block = math::nearest_integer(smaller(1.25 / (config.high_hz * config.tick_s), kMostTicks));
       block = larger(block, 2.0);
       held = 0.0;
+      periods = 0.5;
     } else if (kind_ == ExcitationKind::kChirp) {
       held = kChirpBlocks;
     }
+    held_blocks_ = static_cast<uint32_t>(held);
     total += block * (2.0 + held) + kRest;
     if (total > kMostTicks) return false;
     Step& step = step_[k];
     step.block = static_cast<uint32_t>(block);
-    step.held = static_cast<uint32_t>(block * held);
-    step.fade = kHalfTurn / 2 / step.block;
-    step.increment = static_cast<uint64_t>((kind_ == ExcitationKind::kChirp ? per_tick : periods / block) * kTurn);
+    step.fade_shift = periods > 2.0 ? 6 : periods < 2.0 ? 1 : 3;  // 4 * periods = 2^shift: a quarter turn a block
+    step.increment = static_cast<uint64_t>(periods / block * kTurn);
     step.amplitude = kOne;
   }
   if (kind_ == ExcitationKind::kChirp) {
     const double way = (config.high_hz - config.low_hz) * config.tick_s * kTurn;
-    slope_ = static_cast<uint64_t>(way / step_[0].held);
+    slope_ = static_cast<uint64_t>(way / (held_blocks_ * static_cast<double>(step_[0].block)));
   }
   ticks_ = static_cast<uint32_t>(total);
   return true;
@@ -133,7 +134,7 @@ Excitation::Peaks Excitation::peaks_of_step() {
   Peaks peaks = {};
   Signal before[3] = {};
   const uint32_t step = at_;
-  const uint32_t ticks = 2 * step_[step].block + step_[step].held + kRest;
+  const uint32_t ticks = step_[step].block * (2 + held_blocks_) + kRest;
   for (uint32_t n = 0; n < ticks; ++n) {
     const Signal now = tick();
     const Signal first = now - before[0];
@@ -204,7 +205,7 @@ void Excitation::begin_step() {
 Signal Excitation::tick() {
   if (running_ == 0) return 0;
   const Step& step = step_[at_];
-  const uint32_t out = step.block + step.held;
+  const uint32_t out = step.block * (1 + held_blocks_);
   const uint32_t end = out + step.block;
   Signal offset = 0;
   if (in_step_ < end) {
@@ -215,7 +216,7 @@ Signal Excitation::tick() {
       const int64_t root = sine(fade_phase_);
       const int64_t square = times(root, root);
       envelope = times(square, square);
-      fade_phase_ += step.fade;
+      fade_phase_ += step.increment >> step.fade_shift;
     } else {
       increment_ += slope_;
     }

@@ -66,9 +66,8 @@ class Excitation {
   struct Step {
     uint64_t increment;  // of the phase, 2^-64 turns a tick
     Signal amplitude;
-    uint32_t block;  // ticks of a fade
-    uint32_t held;   // ticks
-    uint64_t fade;   // of the envelope's phase
+    uint32_t block;       // ticks of a fade
+    uint32_t fade_shift;  // the envelope's phase goes so many bits slower
   };
   struct Peaks {
     double difference[4];  // the value itself, the first, the second, the third
@@ -83,6 +82,7 @@ class Excitation {
   uint64_t fade_phase_;
   uint64_t increment_;
   uint64_t slope_;
+  uint32_t held_blocks_;
   uint32_t in_step_;
   uint32_t at_;
   uint32_t steps_;

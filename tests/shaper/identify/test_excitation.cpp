@@ -87,6 +87,8 @@ TEST(keeps_every_limit_and_what_it_announced) {
   TEST_ASSERT_TRUE(prepared >= 45);
 }
 
+static_assert(sizeof(Excitation) <= 1600, "the memory an axis lends it");
+
 TEST(refuses_by_name_and_keeps_what_was) {
   Excitation excitation = {};
   Announcement announced = {};
