@@ -1,0 +1,238 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "shaper/identify/excitation.hpp"
+
+#include "shaper/base/math.hpp"
+
+namespace stillpoint {
+
+namespace {
+
+constexpr uint64_t kHalfTurn = UINT64_C(1) << 63;
+constexpr int64_t kQuarterTurn = INT64_C(1) << 62;
+constexpr int64_t kOne = INT64_C(1) << 62;  // of a sine or an envelope
+constexpr double kUnit = 0x1p62;
+constexpr double kTurn = 0x1p64;
+constexpr double kMostTicks = 0x1p30;
+constexpr double kMostAmplitude = 0x1p30;         // counts
+constexpr double kLeastAmplitude = 1.0;           // counts; less shows nothing
+constexpr uint32_t kRest = 3;                     // ticks at 0 that keep the differences of neighbours apart
+constexpr double kRounding = 8.0 / 4294967296.0;  // counts: more than rounding adds to a third difference
+
+// a b / 2^62, rounded down. In words of 32 bits, for a Cortex-M has no product of 128.
+int64_t times(int64_t a, int64_t b) {
+  const int64_t a_high = a >> 32;
+  const int64_t b_high = b >> 32;
+  const uint64_t a_low = static_cast<uint32_t>(a);
+  const uint64_t b_low = static_cast<uint32_t>(b);
+  const int64_t carry = static_cast<int64_t>((a_low * b_low) >> 32);
+  const int64_t middle = a_high * static_cast<int64_t>(b_low) + carry;
+  const int64_t other = static_cast<int64_t>(a_low) * b_high + static_cast<int64_t>(static_cast<uint32_t>(middle));
+  const int64_t high = a_high * b_high + (middle >> 32) + (other >> 32);
+  const uint64_t low = static_cast<uint64_t>(a) * static_cast<uint64_t>(b);
+  return static_cast<int64_t>((static_cast<uint64_t>(high) << 2) | (low >> 62));
+}
+
+// Taylor's series of sin(pi/2 y), times 2^62; what is left out is below 2^-64 of 1.
+constexpr int64_t kSine[] = {INT64_C(7244019458077122842),
+                             INT64_C(-2978983596875621757),
+                             INT64_C(367517370231208053),
+                             INT64_C(-21590780087563799),
+                             INT64_C(739904368663792),
+                             INT64_C(-16596735030340),
+                             INT64_C(262505142787),
+                             INT64_C(-3084311801),
+                             INT64_C(27978803),
+                             INT64_C(-201857),
+                             INT64_C(1186),
+                             INT64_C(-6)};
+constexpr size_t kSineTerms = sizeof(kSine) / sizeof(kSine[0]);
+
+// Sine of phase / 2^64 turns, times 2^62. Finer than the third difference of the slowest sine needs.
+int64_t sine(uint64_t phase) {
+  int64_t y = static_cast<int64_t>(phase);
+  if (y > kQuarterTurn || y < -kQuarterTurn) y = static_cast<int64_t>(kHalfTurn - phase);
+  const int64_t square = times(y, y);
+  int64_t sum = kSine[kSineTerms - 1];
+  for (size_t k = kSineTerms - 1; k-- > 0;) sum = kSine[k] + times(sum, square);
+  return times(sum, y);
+}
+
+double magnitude(Signal value) { return math::abs(static_cast<double>(value)) / static_cast<double>(kSignalPerCount); }
+
+double larger(double a, double b) { return a > b ? a : b; }
+double smaller(double a, double b) { return a < b ? a : b; }
+
+}  // namespace
+
+Status ExcitationConfig::validate() const {
+  if (kind > ExcitationKind::kChirp) return refuse(Error::kNotAvailable, Quantity::kKind, static_cast<double>(kind));
+  const struct {
+    Quantity quantity;
+    double value;
+  } positive[] = {{Quantity::kTick, tick_s},      {Quantity::kAmplitude, amplitude},
+                  {Quantity::kTravel, travel},    {Quantity::kVelocity, velocity},
+                  {Quantity::kJerk, jerk},        {Quantity::kAcceleration, acceleration},
+                  {Quantity::kFrequency, low_hz}, {Quantity::kFrequency, high_hz}};
+  for (size_t i = 0; i < sizeof(positive) / sizeof(positive[0]); ++i) {
+    const Status status = check_positive(positive[i].quantity, positive[i].value);
+    if (!status.ok()) return status;
+  }
+  const double most = smaller(travel, kMostAmplitude);
+  if (amplitude > most) return refuse(Error::kAboveMaximum, Quantity::kAmplitude, amplitude, most);
+  const double highest = 0.45 / tick_s;
+  if (high_hz >= highest) return refuse(Error::kAboveMaximum, Quantity::kFrequency, high_hz, highest);
+  if (low_hz >= high_hz) return refuse(Error::kAboveMaximum, Quantity::kFrequency, low_hz, high_hz);
+  if (kind != ExcitationKind::kSteppedSine) return kOk;
+  if (steps < 2) return refuse(Error::kBelowMinimum, Quantity::kStages, steps, 2.0);
+  if (steps > kMostExcitationSteps) {
+    return refuse(Error::kAboveMaximum, Quantity::kStages, steps, kMostExcitationSteps);
+  }
+  return kOk;
+}
+
+// The blocks of each step, and how far the phase goes a tick.
+bool Excitation::lay_out(const ExcitationConfig& config) {
+  kind_ = config.kind;
+  steps_ = kind_ == ExcitationKind::kSteppedSine ? config.steps : 1;
+  slope_ = 0;
+  double total = 0.0;
+  const double span = steps_ > 1 ? math::log(config.high_hz / config.low_hz) / (steps_ - 1) : 0.0;
+  for (uint32_t k = 0; k < steps_; ++k) {
+    const double per_tick = config.low_hz * math::exp(span * k) * config.tick_s;
+    double periods = 2.0;
+    if (periods / per_tick < 32.0) periods = 16.0;  // else whole ticks would shift the frequency
+    double block = math::nearest_integer(smaller(periods / per_tick, kMostTicks));
+    double held = kSteppedBlocks;
+    if (kind_ == ExcitationKind::kBump) {
+      // sin^4 has its first notch at three over its length
+      block = math::nearest_integer(smaller(1.25 / (config.high_hz * config.tick_s), kMostTicks));
+      block = larger(block, 2.0);
+      held = 0.0;
+      periods = 0.5;
+    } else if (kind_ == ExcitationKind::kChirp) {
+      held = kChirpBlocks;
+    }
+    held_blocks_ = static_cast<uint32_t>(held);
+    total += block * (2.0 + held) + kRest;
+    if (total > kMostTicks) return false;
+    Step& step = step_[k];
+    step.block = static_cast<uint32_t>(block);
+    step.fade_shift = periods > 2.0 ? 6 : periods < 2.0 ? 1 : 3;  // 4 * periods = 2^shift: a quarter turn a block
+    step.increment = static_cast<uint64_t>(periods / block * kTurn);
+    step.amplitude = kOne;
+  }
+  if (kind_ == ExcitationKind::kChirp) {
+    const double way = (config.high_hz - config.low_hz) * config.tick_s * kTurn;
+    slope_ = static_cast<uint64_t>(way / (held_blocks_ * static_cast<double>(step_[0].block)));
+  }
+  ticks_ = static_cast<uint32_t>(total);
+  return true;
+}
+
+// Runs one step as the tick would and measures it, in counts and counts a tick.
+Excitation::Peaks Excitation::peaks_of_step() {
+  Peaks peaks = {};
+  Signal before[3] = {};
+  const uint32_t step = at_;
+  const uint32_t ticks = step_[step].block * (2 + held_blocks_) + kRest;
+  for (uint32_t n = 0; n < ticks; ++n) {
+    const Signal now = tick();
+    const Signal first = now - before[0];
+    const Signal second = first - (before[0] - before[1]);
+    const Signal third = second - (before[0] - 2 * before[1] + before[2]);
+    peaks.difference[0] = larger(peaks.difference[0], magnitude(now));
+    peaks.difference[1] = larger(peaks.difference[1], magnitude(first));
+    peaks.difference[2] = larger(peaks.difference[2], magnitude(second));
+    peaks.difference[3] = larger(peaks.difference[3], magnitude(third));
+    before[2] = before[1];
+    before[1] = before[0];
+    before[0] = now;
+  }
+  return peaks;
+}
+
+Status Excitation::prepare(const ExcitationConfig& config, Announcement& announcement) {
+  const Status status = config.validate();
+  if (!status.ok()) return status;
+  if (!over()) return refuse(Error::kBusy, Quantity::kNone, 0.0);
+  Excitation next = {};
+  if (!next.lay_out(config)) return refuse(Error::kBelowMinimum, Quantity::kFrequency, config.low_hz);
+  const double tick = config.tick_s;
+  const Quantity names[] = {Quantity::kAmplitude, Quantity::kVelocity, Quantity::kAcceleration, Quantity::kJerk};
+  const double limits[] = {config.amplitude, config.velocity, config.acceleration, config.jerk};
+  const double scale[] = {1.0, tick, tick * tick, tick * tick * tick};
+  // A run at an amplitude that leaves the third difference room in 64 bits says what each count of it costs.
+  constexpr double kTrial = 0x1p26;
+  next.start();
+  for (uint32_t k = 0; k < next.steps_; ++k) {
+    next.step_[k].amplitude = static_cast<Signal>(kTrial * static_cast<double>(kSignalPerCount));
+    const Peaks peaks = next.peaks_of_step();
+    double amplitude = kMostAmplitude;
+    for (size_t i = 0; i < 4; ++i) {
+      const double room = limits[i] * scale[i] - kRounding;
+      const double allowed = room * kTrial / (peaks.difference[i] + kRounding);
+      if (!(allowed >= kLeastAmplitude * 0.999)) {
+        return refuse(Error::kBelowMinimum, names[i], limits[i], limits[i] * kLeastAmplitude / larger(allowed, 1e-300));
+      }
+      amplitude = smaller(amplitude, allowed);
+    }
+    next.step_[k].amplitude = static_cast<Signal>(amplitude * static_cast<double>(kSignalPerCount));
+  }
+  next.start();
+  Peaks all = {};
+  for (uint32_t k = 0; k < next.steps_; ++k) {
+    const Peaks peaks = next.peaks_of_step();
+    for (size_t i = 0; i < 4; ++i) all.difference[i] = larger(all.difference[i], peaks.difference[i] / scale[i]);
+  }
+  announcement = {all.difference[0], all.difference[1], all.difference[2], all.difference[3], next.ticks_ * tick};
+  *this = next;
+  return kOk;
+}
+
+void Excitation::start() {
+  at_ = 0;
+  begin_step();
+  running_ = steps_ != 0 ? 1 : 0;
+}
+
+void Excitation::begin_step() {
+  in_step_ = 0;
+  phase_ = 0;
+  fade_phase_ = 0;
+  increment_ = step_[at_].increment;
+}
+
+Signal Excitation::tick() {
+  if (running_ == 0) return 0;
+  const Step& step = step_[at_];
+  const uint32_t out = step.block * (1 + held_blocks_);
+  const uint32_t end = out + step.block;
+  Signal offset = 0;
+  if (in_step_ < end) {
+    int64_t envelope = kOne;
+    const bool held = in_step_ >= step.block && in_step_ < out;
+    if (!held) {
+      if (in_step_ == out) fade_phase_ = kHalfTurn / 2;
+      const int64_t root = sine(fade_phase_);
+      const int64_t square = times(root, root);
+      envelope = times(square, square);
+      fade_phase_ += step.increment >> step.fade_shift;
+    } else {
+      increment_ += slope_;
+    }
+    const int64_t wave = kind_ == ExcitationKind::kBump ? envelope : times(envelope, sine(phase_));
+    offset = times(step.amplitude, wave);
+    phase_ += increment_;
+  }
+  ++in_step_;
+  if (in_step_ >= end + kRest) {
+    if (++at_ < steps_) {
+      begin_step();
+    } else {
+      running_ = 0;
+    }
+  }
+  return offset;
+}
+
+}  // namespace stillpoint

@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "shaper/identify/excitation.hpp"
+
+#include "shaper/base/math.hpp"
+#include "tests/support/random.hpp"
+#include "tests/support/test.hpp"
+
+namespace {
+
+using namespace stillpoint;
+
+constexpr double kCount = static_cast<double>(kSignalPerCount);
+
+ExcitationConfig plain(ExcitationKind kind) { return {kind, 0.001, 1000.0, 2000.0, 1e5, 1e7, 1e9, 5.0, 60.0, 4}; }
+
+// Three ticks of rest before and after belong to it.
+Announcement peaks_of(Excitation& excitation, double tick, uint64_t& hash, Signal& last) {
+  Announcement seen = {};
+  Signal past[3] = {};
+  uint32_t ticks = 0;
+  excitation.start();
+  while (!excitation.over()) {
+    const Signal now = excitation.tick();
+    const double values[] = {math::abs(static_cast<double>(now)), math::abs(static_cast<double>(now - past[0])),
+                             math::abs(static_cast<double>(now - 2 * past[0] + past[1])),
+                             math::abs(static_cast<double>((now - past[2]) - 3 * (past[0] - past[1])))};
+    if (values[0] / kCount > seen.travel) seen.travel = values[0] / kCount;
+    if (values[1] / kCount / tick > seen.velocity) seen.velocity = values[1] / kCount / tick;
+    const double second = values[2] / kCount / (tick * tick);
+    if (second > seen.acceleration) seen.acceleration = second;
+    const double third = values[3] / kCount / (tick * tick * tick);
+    if (third > seen.jerk) seen.jerk = third;
+    past[2] = past[1];
+    past[1] = past[0];
+    past[0] = now;
+    hash = (hash ^ static_cast<uint64_t>(now)) * UINT64_C(0x100000001B3);
+    last = now;
+    ++ticks;
+  }
+  seen.duration_s = ticks * tick;
+  return seen;
+}
+
+void check(const ExcitationConfig& config, const Announcement& announced, Excitation& excitation) {
+  uint64_t hash = 0;
+  Signal last = 1;
+  const Announcement seen = peaks_of(excitation, config.tick_s, hash, last);
+  TEST_ASSERT_EQUAL_INT64(0, last);
+  TEST_ASSERT_TRUE(seen.travel <= config.amplitude);
+  TEST_ASSERT_TRUE(seen.velocity <= config.velocity);
+  TEST_ASSERT_TRUE(seen.acceleration <= config.acceleration);
+  TEST_ASSERT_TRUE(seen.jerk <= config.jerk);
+  const double pairs[][2] = {{seen.travel, announced.travel},
+                             {seen.velocity, announced.velocity},
+                             {seen.acceleration, announced.acceleration},
+                             {seen.jerk, announced.jerk},
+                             {seen.duration_s, announced.duration_s}};
+  for (size_t i = 0; i < 5; ++i) {
+    TEST_ASSERT_TRUE(pairs[i][0] <= pairs[i][1] * (1.0 + 1e-9));
+    TEST_ASSERT_TRUE(pairs[i][0] >= pairs[i][1] * (1.0 - 1e-9));
+  }
+}
+
+TEST(keeps_every_limit_and_what_it_announced) {
+  const uint64_t seed = 20261125;
+  TEST_INFO("seed", seed);
+  testing::Random random(seed);
+  uint32_t prepared = 0;
+  for (uint32_t i = 0; i < 60; ++i) {
+    ExcitationConfig config = plain(static_cast<ExcitationKind>(i % 3));
+    config.tick_s = math::exp(random.between(-9.0, -6.9));
+    config.amplitude = math::exp(random.between(0.0, 20.79));
+    config.travel = 2.0 * config.amplitude;
+    config.low_hz = math::exp(random.between(-0.69, 4.0));
+    config.high_hz = config.low_hz * random.between(1.1, 5.0);
+    const double turn = 6.2831853 * config.high_hz;
+    config.velocity = config.amplitude * turn * math::exp(random.between(-3.0, 3.0));
+    config.acceleration = config.amplitude * turn * turn * math::exp(random.between(-3.0, 3.0));
+    config.jerk = config.amplitude * turn * turn * turn * math::exp(random.between(-3.0, 3.0));
+    Excitation excitation = {};
+    Announcement announced = {};
+    const Status status = excitation.prepare(config, announced);
+    if (!status.ok()) continue;
+    ++prepared;
+    check(config, announced, excitation);
+  }
+  TEST_ASSERT_TRUE(prepared >= 45);
+}
+
+static_assert(sizeof(Excitation) <= 1600, "the memory an axis lends it");
+
+TEST(refuses_by_name_and_keeps_what_was) {
+  Excitation excitation = {};
+  Announcement announced = {};
+  TEST_ASSERT_TRUE(excitation.over());
+  TEST_ASSERT_EQUAL_INT64(0, excitation.tick());
+  ExcitationConfig config = plain(ExcitationKind::kBump);
+  config.amplitude = 3000.0;
+  Status status = excitation.prepare(config, announced);
+  TEST_ASSERT_EQUAL_ENUM(Quantity::kAmplitude, status.quantity);
+  TEST_ASSERT_TRUE(status.accepted == 2000.0);
+  config = plain(ExcitationKind::kChirp);
+  config.jerk = 1.0;
+  status = excitation.prepare(config, announced);
+  TEST_ASSERT_EQUAL_ENUM(Quantity::kJerk, status.quantity);
+  config = plain(ExcitationKind::kSteppedSine);
+  config.steps = 65;
+  status = excitation.prepare(config, announced);
+  TEST_ASSERT_EQUAL_ENUM(Quantity::kStages, status.quantity);
+  TEST_ASSERT_OK(excitation.prepare(plain(ExcitationKind::kBump), announced));
+  excitation.start();
+  status = excitation.prepare(plain(ExcitationKind::kBump), announced);
+  TEST_ASSERT_EQUAL_ENUM(Error::kBusy, status.error);
+}
+
+}  // namespace
