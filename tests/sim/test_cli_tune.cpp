@@ -127,6 +127,12 @@ TEST_HOST(tune_of_a_noiseless_arm_finds_it_to_the_registers_last_digit) {
   REQUIRE(tune.at("shaper") == "zv:11:0.11");
 }
 
+TEST_HOST(a_flickering_encoder_does_not_put_the_start_out_of_reach_of_the_default_travel) {
+  for (int seed = 1; seed <= 6; ++seed) {
+    json_of(kMove + "--arm 11:0.11 --encoder-noise 50 --seed " + std::to_string(seed));
+  }
+}
+
 TEST_HOST(tune_without_time_for_zero_delay_takes_the_least) {
   const Json tune =
       json_of("tune --distance 1.7 --velocity 1.2 --acceleration 20 --jerk 600 --duration 1.515 --arm 11:0.11");
