@@ -114,6 +114,7 @@ void add_tune(Commands& commands, Output& output) {
       commands.add("tune", "Lets the axis find its arm's modes and its shaper by itself, then moves plain and shaped.",
                    [moves, options, &output] { return run(*moves, *options, output); });
   add_move_job_without_shaper(app, *moves);
+  app.add_flag("--zero-delay", moves->zero_delay, "as in move; here the shaped move has it with and without");
   add_tune_options(app, *options);
   add_output(app, output);
 }

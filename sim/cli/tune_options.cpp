@@ -15,6 +15,7 @@ constexpr double kLowestHz = 1.0;
 constexpr double kHighestHz = 200.0;
 constexpr double kHighestCyclesATick = 0.4;
 constexpr double kAmplitudePart = 0.05;  // of the move's distance
+constexpr double kTravelPart = 1.1;      // room for where an encoder that flickers has it begin
 
 template <typename Word>
 Word word_of(const std::string& text, const std::string& option, uint32_t count) {
@@ -47,14 +48,15 @@ void take_band(const std::string& text, sim::TuneTask& task) {
   }
 }
 
-// Left out: as far as the move goes, and a twentieth of it.
+// Left out: a little more than the move takes, and a twentieth of it.
 void take_room(const TuneOptions& options, sim::TuneTask& task) {
   const double unit = task.move.counts_per_unit;
   const double distance = std::abs(static_cast<double>(task.move.distance_counts));
   if (distance == 0.0) {
     throw sim::bad_argument("--distance", "0", "a move that excites nothing, one of at least a count is accepted");
   }
-  task.travel_counts = options.travel.empty() ? distance : sim::parse_positive(options.travel, "--travel") * unit;
+  task.travel_counts =
+      options.travel.empty() ? kTravelPart * distance : sim::parse_positive(options.travel, "--travel") * unit;
   task.amplitude_counts = options.amplitude.empty() ? std::min(kAmplitudePart * distance, task.travel_counts)
                                                     : sim::parse_positive(options.amplitude, "--amplitude") * unit;
 }
@@ -81,7 +83,8 @@ void add_tune_options(CLI::App& app, TuneOptions& options) {
             "what is listened to: auto (default), accelerometer, following-error");
   add_value(app, "--amplitude", options.amplitude, "D",
             "of bump, sine and chirp, from where they begin [unit] (default: a twentieth of the distance)");
-  add_value(app, "--travel", options.travel, "D", "room either way of the start [unit] (default: the distance)");
+  add_value(app, "--travel", options.travel, "D",
+            "room either way of the start [unit] (default: a tenth more than the distance)");
   add_value(app, "--band", options.band, "LO:HI", "where modes are looked for [Hz] (default 1:200, up to 0.4/tick)");
   add_value(app, "--tolerance", options.tolerance, "V",
             "residual tolerated over what is not known of the modes (default 0.05)");

@@ -112,8 +112,8 @@ TEST_HOST(what_cannot_be_done_ends_with_1_and_json_names_the_cause) {
 }
 
 TEST_HOST(help_and_version_are_there_for_everything) {
-  for (const char* arguments :
-       {"--help", "--version", "design --help", "profile --help", "shape --help", "move --help", "demo --help"}) {
+  for (const char* arguments : {"--help", "--version", "design --help", "profile --help", "shape --help", "move --help",
+                                "tune --help", "hil --help", "demo --help"}) {
     TEST_INFO(arguments, arguments);
     const Outcome outcome = run_program(arguments);
     TEST_ASSERT_EQUAL_INT32(0, outcome.exit_code);

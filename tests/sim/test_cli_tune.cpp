@@ -77,7 +77,7 @@ TEST_HOST(what_tune_prints_is_what_move_does_with_it) {
 
 TEST_HOST(tune_repeats_itself_with_the_same_noise_and_not_with_other) {
   const Json once = json_of(kMove + "--arm 11:0.11 --noise 0.1 --seed 5");
-  REQUIRE(once == json_of(kMove + "--arm 11:0.11 --noise 0.1 --seed 5"));
+  REQUIRE(once == json_of(kMove + "--arm 11:0.11 --noise 0.1 --seed 5 --zero-delay"));
   REQUIRE(once.at("identified") != json_of(kMove + "--arm 11:0.11 --noise 0.1 --seed 6").at("identified"));
 }
 
@@ -125,6 +125,12 @@ TEST_HOST(tune_of_a_noiseless_arm_finds_it_to_the_registers_last_digit) {
   const Json tune = json_of(kMove + "--arm 11:0.11 --noise 0");
   REQUIRE(tune.at("source") == "accelerometer");
   REQUIRE(tune.at("shaper") == "zv:11:0.11");
+}
+
+TEST_HOST(a_flickering_encoder_does_not_put_the_start_out_of_reach_of_the_default_travel) {
+  for (int seed = 1; seed <= 6; ++seed) {
+    json_of(kMove + "--arm 11:0.11 --encoder-noise 50 --seed " + std::to_string(seed));
+  }
 }
 
 TEST_HOST(tune_without_time_for_zero_delay_takes_the_least) {
