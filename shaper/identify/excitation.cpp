@@ -10,7 +10,6 @@ namespace {
 constexpr uint64_t kHalfTurn = UINT64_C(1) << 63;
 constexpr int64_t kQuarterTurn = INT64_C(1) << 62;
 constexpr int64_t kOne = INT64_C(1) << 62;  // of a sine or an envelope
-constexpr double kUnit = 0x1p62;
 constexpr double kTurn = 0x1p64;
 constexpr double kMostTicks = 0x1p30;
 constexpr double kMostAmplitude = 0x1p30;         // counts
