@@ -9,6 +9,7 @@ import contextlib
 import json
 import pathlib
 import signal
+import struct
 import subprocess
 import sys
 import tempfile
@@ -16,7 +17,7 @@ import time
 
 from pymodbus.client import ModbusSerialClient
 from pymodbus.diag_message import ReturnBusMessageCountRequest, ReturnQueryDataRequest
-from pymodbus.exceptions import ModbusIOException
+from pymodbus.exceptions import ModbusException, ModbusIOException
 from pymodbus.mei_message import ReadDeviceInformationRequest
 
 PROGRAM, ELF = sys.argv[1], sys.argv[2]
@@ -28,16 +29,20 @@ ENABLED, STANDS = 0x27, 1 << 10
 ATTEMPTS = 8
 
 
+class Failure(Exception):
+    pass
+
+
 def check(what, expected, actual):
     if expected != actual:
-        sys.exit(f"error: {what}: expected {expected}, got {actual}")
+        raise Failure(f"{what}: expected {expected}, got {actual}")
 
 
 def until(what, condition, seconds=30.0):
     end = time.monotonic() + seconds
     while not condition():
         if time.monotonic() > end:
-            sys.exit(f"error: {what}: not within {seconds} s")
+            raise Failure(f"{what}: not within {seconds} s")
 
 
 @contextlib.contextmanager
@@ -83,8 +88,12 @@ class Pymodbus:
         check("pymodbus's connection", True, self.client.connect())
 
     def ask(self, what, request):
+        answer = ModbusIOException("nothing came")
         for _ in range(ATTEMPTS):
-            answer = request()
+            try:
+                answer = request()
+            except (ModbusException, struct.error):  # it takes apart what is not whole
+                continue
             if not isinstance(answer, ModbusIOException):
                 break
         check(f"pymodbus {what} ({answer})", False, answer.isError())
@@ -201,18 +210,18 @@ def shapes(client):
     until("the shaper in force", lambda: client.read(0x0131) == [1])
     delay_us = wide(client, 0x0134)
     if not 15000 < delay_us < 25000:
-        sys.exit(f"error: the shaper's delay: {delay_us} us")
+        raise Failure(f"the shaper's delay: {delay_us} us")
 
 
 # Functions 8 and 43/14, which of the three only pymodbus knows.
 def diagnoses(client):
     sent = [0xA537]
     check("the query data returned", sent,
-          client.execute("asking for its data back", ReturnQueryDataRequest(sent, slave=UNIT)).message)
-    counted = client.execute("asking for a counter", ReturnBusMessageCountRequest(slave=UNIT)).message
-    if not 0 < (counted[0] if isinstance(counted, list) else counted):
-        sys.exit(f"error: bus messages counted: {counted}")
-    told = client.execute("asking for its identification", ReadDeviceInformationRequest(0x01, 0x00, slave=UNIT))
+          list(client.execute("asking for its data back", ReturnQueryDataRequest(sent, unit=UNIT)).message))
+    counted = client.execute("asking for a counter", ReturnBusMessageCountRequest(unit=UNIT)).message
+    if not 0 < (counted if isinstance(counted, int) else counted[0]):
+        raise Failure(f"bus messages counted: {counted}")
+    told = client.execute("asking for its identification", ReadDeviceInformationRequest(0x01, 0x00, unit=UNIT))
     check("the objects of its identification", [0, 1, 2], sorted(told.information))
     check("the vendor", b"stillpoint", told.information[0])
 
@@ -222,44 +231,64 @@ def tunes(client):
     client.write(0x0202, *words(1000000))
     client.write(0x0204, *words(1000000))
     client.write(0x0200, 1)
-    until("a proposal", lambda: client.read(0x0208)[0] in (4, 9), 240)
+    until("a proposal", lambda: client.read(0x0208)[0] in (4, 9) or client.read(0x0010) != [0], 240)
+    check("the fault", [0], client.read(0x0010))
     check("the result", [0], client.read(0x020A))
     frequency, damping = wide(client, 0x0210) * 1e-4, client.read(0x0212)[0] * 1e-5
     if abs(frequency / 11 - 1) > 0.005 or abs(damping / 0.11 - 1) > 0.1:
-        sys.exit(f"error: tuned to {frequency} Hz, {damping}")
+        raise Failure(f"tuned to {frequency} Hz, {damping}")
     client.write(0x0200, 3)
     until("the shaper kept", lambda: client.read(0x0208)[0] in (7, 8, 9), 120)
     check("the state", [7], client.read(0x0208))
     check("the shaper's state", [1], client.read(0x0131))
 
 
+def drives_everything(port):
+    mbpoll, libmodbus = Mbpoll(port), Libmodbus(port)
+    who_it_is(mbpoll)
+    check("libmodbus's state", "operation enabled", libmodbus.drive("enable")["state"])
+    move(mbpoll, 70000)
+    homes(mbpoll)
+    check("libmodbus's move", 500000, libmodbus.drive("move", "--target", "500000")["position_counts"])
+    pymodbus = Pymodbus(port)
+    who_it_is(pymodbus)
+    move(pymodbus, -200000)
+    halts_and_stops(pymodbus)
+    faults_and_recovers(pymodbus)
+    shapes(pymodbus)
+    diagnoses(pymodbus)
+    move(pymodbus, 0)
+    tunes(pymodbus)
+    pymodbus.close()
+    halts_and_stops(mbpoll)
+    tuned = libmodbus.drive("export")["shaper_sets"][0]["mode-0-frequency"]
+    if not 109450 <= tuned <= 110550:
+        raise Failure(f"the tuned mode exported: {tuned}")
+    check("switched off", "switch on disabled", libmodbus.drive("disable")["state"])
+
+
+def host_was_too_slow(port):
+    """The drive gives up on a link that is silent for 0.4 s of the host; that says nothing about its clients."""
+    try:
+        return wide(Mbpoll(port), 0x001C) > 0
+    except Failure:
+        return False
+
+
 def main():
-    with tempfile.TemporaryDirectory() as folder:
-        port = str(pathlib.Path(folder) / "port")
-        with emulated(port):
-            mbpoll, libmodbus = Mbpoll(port), Libmodbus(port)
-            who_it_is(mbpoll)
-            check("libmodbus's state", "operation enabled", libmodbus.drive("enable")["state"])
-            move(mbpoll, 70000)
-            homes(mbpoll)
-            check("libmodbus's move", 500000, libmodbus.drive("move", "--target", "500000")["position_counts"])
-            pymodbus = Pymodbus(port)
-            who_it_is(pymodbus)
-            move(pymodbus, -200000)
-            halts_and_stops(pymodbus)
-            faults_and_recovers(pymodbus)
-            shapes(pymodbus)
-            diagnoses(pymodbus)
-            move(pymodbus, 0)
-            tunes(pymodbus)
-            pymodbus.close()
-            halts_and_stops(mbpoll)
-            exported = libmodbus.drive("export")
-            tuned = exported["shaper_sets"][0]["mode-0-frequency"]
-            if not 109450 <= tuned <= 110550:
-                sys.exit(f"error: the tuned mode exported: {tuned}")
-            check("switched off", "switch on disabled", libmodbus.drive("disable")["state"])
-    print("mbpoll, libmodbus and pymodbus have driven the chip's image")
+    for attempt in range(5):
+        with tempfile.TemporaryDirectory() as folder:
+            port = str(pathlib.Path(folder) / "port")
+            with emulated(port):
+                try:
+                    drives_everything(port)
+                    print("mbpoll, libmodbus and pymodbus have driven the chip's image")
+                    return
+                except Failure as failure:
+                    if not host_was_too_slow(port):
+                        sys.exit(f"error: {failure}")
+                    print(f"attempt {attempt + 1}: the host was kept from running ({failure})")
+    sys.exit("error: the host is too slow for the drive")
 
 
 main()
