@@ -15,6 +15,7 @@ namespace stillpoint::testing {
 struct ArmServo final : hal::ServoPort {
   sim::SimulatedDrive drive;
   std::vector<int64_t> setpoints;
+  std::vector<bool> enabled_at;
   std::vector<double> deflections;  // units
   bool enabled = false;
 
@@ -23,12 +24,14 @@ struct ArmServo final : hal::ServoPort {
   hal::ServoFeedback exchange(const hal::ServoCommand& command) override {
     enabled = command.enabled;
     setpoints.push_back(command.setpoint);
+    enabled_at.push_back(command.enabled);
     const hal::ServoFeedback feedback = drive.exchange(command);
     deflections.push_back(drive.arm().deflection());
     return feedback;
   }
   void forget() {
     setpoints.clear();
+    enabled_at.clear();
     deflections.clear();
   }
 };
