@@ -87,8 +87,8 @@ constexpr Status plan_pulses(const PulseConfig& config, PulseTiming& timing) {
   const uint64_t least_cycles = uint64_t{kept} + reversing;
   const uint32_t tick_cycles = cycles(config.tick_ns);
   if (tick_cycles < least_cycles) {
-    const auto least_ns = static_cast<double>(least_cycles * kSecondInNs / config.clock_hz + 1);
-    return refuse(Error::kBelowMinimum, Quantity::kTick, config.tick_ns, least_ns);
+    const uint64_t least_ns = least_cycles * kSecondInNs / config.clock_hz + 1;
+    return refuse(Error::kBelowMinimum, Quantity::kTick, config.tick_ns, static_cast<double>(least_ns));
   }
   const uint32_t window = tick_cycles - kept;
   const uint32_t most = smaller(window / shortest, config.most_pulses);
