@@ -167,7 +167,9 @@ void Drive::enter(DriveState state) {
 uint16_t Drive::reason_not_free() const {
   if (state_ != DriveState::kOperationEnabled) return kReasonNotEnabled;
   if (halt_asked()) return kReasonHalted;
-  return standing_ && !set_point_waits_ && !buffered_ && !velocity_waits_ ? 0 : kReasonNotStanding;
+  const bool waits = set_point_waits_ || buffered_ || homing_;
+  const bool velocity_waits = velocity_waits_ && mode_ == OperationMode::kProfileVelocity;
+  return standing_ && !waits && !velocity_waits ? 0 : kReasonNotStanding;
 }
 
 bool Drive::may_move() const {

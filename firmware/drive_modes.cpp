@@ -5,10 +5,7 @@
 
 namespace stillpoint::firmware {
 
-void Drive::write_velocity() {
-  velocity_waits_ = state_ == DriveState::kOperationEnabled && !tuning_;
-  if (tuning_) parameters_->note_refusal(kReasonTuning, address_of(Register::kTargetVelocity));
-}
+void Drive::write_velocity() { velocity_waits_ = state_ == DriveState::kOperationEnabled; }
 
 void Drive::follow_mode() {
   if (homing_ && seen_.homings != homings_) {
@@ -16,7 +13,7 @@ void Drive::follow_mode() {
     homed_ = true;
   }
   const auto wanted = static_cast<OperationMode>(parameters_->get(Register::kMode));
-  if (wanted == mode_ || !standing_ || homing_) return;
+  if (wanted == mode_ || !standing_ || homing_ || tuning_) return;
   mode_ = wanted;
   parameters_->set(Register::kModeDisplay, static_cast<uint32_t>(wanted));
   start_mode();
@@ -40,7 +37,7 @@ void Drive::forget_set_points() {
 }
 
 void Drive::take_set_point(bool shaper_waiting) {
-  if (state_ != DriveState::kOperationEnabled || (shaper_waiting && !moving_)) return;
+  if (state_ != DriveState::kOperationEnabled || tuning_ || (shaper_waiting && !moving_)) return;
   if (mode_ == OperationMode::kProfileVelocity) return take_velocity();
   if (buffered_ && standing_) {
     buffered_ = false;

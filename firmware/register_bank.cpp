@@ -186,7 +186,8 @@ ModbusException RegisterBank::check_state(const Request& request) {
     limits = limits || parameter.effect == Effect::kAxisLimits;
     tune = tune || parameter.effect == Effect::kTune;
     const bool applies = parameter.effect == Effect::kApplyShaper && request.value_of(parameter) != kApplyDiscard;
-    if (reason == 0 && (limits || applies) && parts_.tuning->busy()) reason = kReasonTuning;
+    const bool needs_axis = limits || applies || parameter.effect == Effect::kVelocity;
+    if (reason == 0 && needs_axis && parts_.tuning->busy()) reason = kReasonTuning;
     return reason == 0;
   });
   if (!good) {
