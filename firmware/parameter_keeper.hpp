@@ -16,8 +16,8 @@ namespace stillpoint::firmware {
 //
 // A command is accepted only while the drive is disabled (switch-on disabled, ready, fault) and none is under way: an
 // erase stops the chip's code, a restart its control. It is begun kCommandDelayMs later, so that the client's answer is
-// out by then, and refused after all if the drive has left that state; 0015 is busy meanwhile, then done or failed, with
-// the reason in 0012.
+// out by then, and refused after all if the drive has left that state; 0015 is busy meanwhile, then done or failed,
+// with the reason in 0012.
 class ParameterKeeper {
  public:
   static constexpr uint32_t kCommandDelayMs = 20;

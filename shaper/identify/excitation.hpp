@@ -45,10 +45,11 @@ struct Announcement {
 
 // `prepare` and `start` are the background's, `tick` the tick's, `over` anyone's. Zero-initialised it emits nothing.
 // Each step: fade in over a block of whole periods (the envelope is sin^4), held, fade out, three ticks at 0. The chirp
-// is linear in frequency, of one amplitude throughout; the bump is sin^4 and lasts 2.5 / high, short of its first notch.
+// is linear in frequency, of one amplitude throughout; the bump is sin^4 and lasts 2.5 / high, short of its first
+// notch.
 class Excitation {
  public:
-  // Refuses, by name, a config that does not validate; while running (kBusy); limits that leave less than a count; and a
+  // Refuses, by name, a config that does not validate; while running (kBusy); limits that leave less than a count; a
   // band so low that it would last over 2^30 ticks. Cost: the generator twice over all ticks, and 2.7 KB of stack.
   Status prepare(const ExcitationConfig& config, Announcement& announcement);
 

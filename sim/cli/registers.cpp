@@ -68,9 +68,9 @@ Json json_of(const Parameter& parameter) {
 constexpr char kHead[] =
     R"(# The drive's registers
 
-Printed by `stillpoint registers` from the firmware's own table. Modbus RTU, addresses from 0, hexadecimal; a 32-bit value
-takes two registers, the high word first, and is read and written whole. L: needs the unlock key (554E to 0014, good for
-60 s). A range that ends with an address ends with that register's value. CiA: the object of CiA 402.
+Printed by `stillpoint registers` from the firmware's own table. Modbus RTU, addresses from 0, hexadecimal; a 32-bit
+value takes two registers, the high word first, and is read and written whole. L: needs the unlock key (554E to 0014,
+good for 60 s). A range that ends with an address ends with that register's value. CiA: the object of CiA 402.
 
 | address | name | type | unit | range | access | default | CiA | |
 |---|---|---|---|---|---|---|---|---|
@@ -82,7 +82,7 @@ Beside the table:
 | address | what | access |
 |---|---|---|
 | 0090-00CF | the next positions of a stream, i32 counts, by function 16 from 0090 on | W |
-| 0500-05FF | the newest 16 faults, 16 registers each: code, counter, uptime u32 ms, position i32, demand i32, zeros | R |
+| 0500-05FF | the newest 16 faults, 16 registers each: code, counter, uptime u32, position i32, demand i32, zeros | R |
 )";
 
 int run(const Output& output) {

@@ -13,8 +13,8 @@ namespace stillpoint::stm32f405 {
 // written to it, that reports an error or that stays busy did not. Every wait is bounded.
 //
 // An erase of 128 KB takes 1 to 2 s (DS8626, table 40), in which the flash cannot be read: interrupts are masked, the
-// wait runs from RAM and feeds the watchdog. So no tick comes; only for a drive that is disabled. A word takes 16 us, in
-// which code that is fetched from flash simply stands.
+// wait runs from RAM and feeds the watchdog. So no tick comes; only for a drive that is disabled. A word takes 16 us,
+// in which code that is fetched from flash simply stands.
 bool erase_sector(Flash& registers, Iwdg& watchdog, uint32_t sector);
 bool program_word(Flash& registers, Register& at, uint32_t word);
 
