@@ -27,7 +27,9 @@ int mode_of(const Parameter& parameter) {
 
 std::string plain_name(const Parameter& parameter) {
   std::string name;
-  for (const char* at = firmware::text_of(parameter).text; *at != 0 && *at != ':' && *at != '('; ++at) {
+  for (const char* at = firmware::text_of(parameter).text; *at != 0 && *at != '('; ++at) {
+    // What may be written to a command comes after its name.
+    if (*at == ':' && !parameter.readable()) break;
     const auto letter = static_cast<unsigned char>(*at);
     if (std::isalnum(letter) != 0) name += static_cast<char>(std::tolower(letter));
     if (std::isalnum(letter) == 0 && !name.empty() && name.back() != '-') name += '-';

@@ -11,8 +11,8 @@
 
 namespace stillpoint::cli {
 
-// "profile-velocity", "mode-0-frequency": what the table calls it, in small letters and without what is in brackets or
-// behind a colon; where two would be called the same, its address follows.
+// "profile-velocity", "mode-0-frequency": what the table calls it, in small letters and without what is in brackets;
+// where two would be called the same, its address follows.
 std::string name_of(const firmware::Parameter& parameter);
 
 // By that name, or by its address in four hexadecimal digits. Throws a Refusal.
