@@ -25,9 +25,9 @@ struct ResponseConfig {
   Status validate() const;
 };
 
-// Memory of a fit (1.9 KB).
+// Memory of a fit (2.1 KB).
 struct ResponseScratch {
-  static constexpr size_t kColumns = 2 + 3 * kMostResponseModes + 2;
+  static constexpr size_t kColumns = 3 + 3 * kMostResponseModes + 2;
   static constexpr size_t kParameters = 2 * kMostResponseModes + 1;
   Complex triangle[kColumns * (kColumns + 1) / 2];  // one column after the other
   LinearSystem<kParameters> normal;
@@ -40,7 +40,7 @@ struct ResponseScratch {
 // kLeastAnswers. Refuses what is not finite, frequencies that do not rise (kFrequency) and spreads below 0 (kSamples);
 // `result` then stays.
 //
-// Model: (jw)^power e^(-jw delay) (c0 + c1 w^2 + sum of ck / (1 - x^2 + 2j zeta x)), x = w / wk, every c complex. A
+// Model: (jw)^power e^(-jw delay) (c0 + c1 w^2 + c2 w^4 + sum of ck / (1 - x^2 + 2j zeta x)), x = w / wk, every c complex. A
 // smooth factor common to all, as of interpolating the setpoint, changes the c and hardly anything else: w^2 times a
 // mode is a constant plus the mode.
 // Method: variable projection (Golub and Pereyra 1973, Kaufman 1975) with Levenberg-Marquardt in log f, log zeta and
