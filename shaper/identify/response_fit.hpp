@@ -15,7 +15,7 @@
 namespace stillpoint {
 
 constexpr size_t kMostResponseModes = 3;
-constexpr size_t kLeastAnswers = 9;  // 5 + 4 a mode: twice as many numbers as unknowns
+constexpr size_t kLeastAnswers = 9;  // and 4 more for each further mode: 2 numbers each, 7 + 4 a mode unknown
 
 struct ResponseConfig {
   uint32_t power;     // of jw that the sensor puts before it all: 2 an accelerometer, 0 a position or following error
@@ -46,7 +46,7 @@ struct ResponseScratch {
 // Method: variable projection (Golub and Pereyra 1973, Kaufman 1975) with Levenberg-Marquardt in log f, log zeta and
 // the delay; a mode is added while chi^2 says so and the bins can resolve it.
 // Cost: 6 linear fits an answer and mode in search of it, then at most 40 of the whole; each takes 2 columns^2 complex
-// multiplications an answer. `meanwhile` is called once a fit. Stack below 1.5 KB.
+// multiplications an answer. `meanwhile` is called once a fit. Stack 2.2 KB.
 Status identify_response(const BinAnswer* answers, size_t count, const ResponseConfig& config, ResponseScratch& scratch,
                          Identification& result, const Meanwhile& meanwhile = {});
 
