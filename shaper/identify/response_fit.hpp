@@ -40,9 +40,10 @@ struct ResponseScratch {
 // kLeastAnswers. Refuses what is not finite, frequencies that do not rise (kFrequency) and spreads below 0 (kSamples);
 // `result` then stays.
 //
-// Model: (jw)^power e^(-jw delay) (c0 + c1 w^2 + c2 w^4 + sum of ck / (1 - x^2 + 2j zeta x)), x = w / wk, every c complex. A
-// smooth factor common to all, as of interpolating the setpoint, changes the c and hardly anything else: w^2 times a
-// mode is a constant plus the mode.
+// Model: (jw)^power e^(-jw delay) (c0 + c1 w^2 + c2 w^4 + sum of ck / (1 - x^2 + 2j zeta x)), x = w / wk, every c
+// complex. A smooth factor common to all, as of interpolating the setpoint, changes the c and hardly anything else: w^2
+// times a mode is a constant plus the mode. Where what is left is beyond the spreads by three, all modes together must
+// take away ten times what they leave, else kNoMode or kNoisy.
 // Method: variable projection (Golub and Pereyra 1973, Kaufman 1975) with Levenberg-Marquardt in log f, log zeta and
 // the delay; a mode is added while chi^2 says so and the bins can resolve it.
 // Cost: 6 linear fits an answer and mode in search of it, then at most 40 of the whole; each takes 2 columns^2 complex

@@ -214,7 +214,7 @@ TEST_HOST(noise_alone_is_never_a_mode) {
 
 namespace {
 
-// How many of 600 rigid arms are said to have a mode, and not to be clear; what is said of the spreads is `told` of them.
+// How many of 600 rigid arms are said to have a mode, and not to be clear; `told` is what is said of their spreads.
 struct RigidArms {
   int64_t found = 0, unclear = 0;
 
