@@ -6,12 +6,17 @@ namespace stillpoint {
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
-constexpr size_t kRigid = 2;  // columns of what does not resonate
+constexpr size_t kRigid = 3;  // columns of what does not resonate
 constexpr int kMostPasses = 40;
 
 // Of chi^2 with four degrees, the best of all candidates: noise passes the second once in a million sets.
 constexpr double kNoisyEvidence = 25.0;
 constexpr double kLeastEvidence = 40.0;
+
+// Where what is left shows that the spreads are not to be believed, a few answers may rule: all modes together must
+// then take away that many times what they leave.
+constexpr double kNotBelieved = 9.0;
+constexpr double kLeastPart = 10.0;
 
 constexpr double kWider = 1.2;  // modes are looked for beyond the band
 constexpr double kLeastDamping = 0.001;
@@ -23,10 +28,14 @@ constexpr double kOfMedian = 0.25;
 constexpr double kOfAnswer = 1e-3;
 constexpr double kOfLargest = 1e-7;
 
-double bounded(double value, double low, double high) { return value < low ? low : value > high ? high : value; }
-double larger(double a, double b) { return a > b ? a : b; }
-double size_of(const BinAnswer& answer) { return larger(math::magnitude(answer.re), math::magnitude(answer.im)); }
-double trust(double doubt, double half) { return 1.0 / (1.0 + math::square(doubt / half)); }
+[[gnu::noinline]] double bounded(double value, double low, double high) {
+  return value < low ? low : value > high ? high : value;
+}
+[[gnu::noinline]] double larger(double a, double b) { return a > b ? a : b; }
+[[gnu::noinline]] double size_of(const BinAnswer& answer) {
+  return larger(math::magnitude(answer.re), math::magnitude(answer.im));
+}
+[[gnu::noinline]] double trust(double doubt, double half) { return 1.0 / (1.0 + math::square(doubt / half)); }
 
 // Frequencies in units of the highest answer's.
 struct ResponseModel {
@@ -53,7 +62,8 @@ class ResponseFit {
     ResponseModel model{};
     model.turn = 2.0 * kPi * top_ * config_.delay_s;
     ResponseModel start = model;
-    double left = refine(model);
+    const double rigid = refine(model);
+    double left = rigid;
     double evidence = 0.0;
     while (model.count < config_.most_modes && count_ >= kLeastAnswers + 4 * model.count) {
       ResponseModel trial = search(start);
@@ -64,11 +74,14 @@ class ResponseFit {
       left = then;
     }
     refine(model);
+    if (left > kNotBelieved * freedom(model) && rigid - left < kLeastPart * left) model.count = 0;
     report(model, left, evidence, result);
   }
 
  private:
-  Complex& at(size_t row, size_t column) { return scratch_.triangle[column * (column + 1) / 2 + row]; }
+  [[gnu::noinline]] Complex& at(size_t row, size_t column) {
+    return scratch_.triangle[column * (column + 1) / 2 + row];
+  }
 
   double median_spread() const {
     double median = 0.0;
@@ -78,6 +91,12 @@ class ResponseFit {
       if (2 * below <= count_) median = larger(median, answers_[n].spread);
     }
     return median;
+  }
+
+  [[gnu::noinline]] double power_of(double x) const {
+    double power = 1.0;
+    for (uint32_t i = 0; i < config_.power; ++i) power *= x;
+    return power;
   }
 
   // A row of the matrix comes into the triangle by Givens rotations; diagonals stay real.
@@ -103,11 +122,11 @@ class ResponseFit {
   void write_row(const BinAnswer& answer, const ResponseModel& model, bool slopes, Complex* row) const {
     const double x = answer.frequency_hz / top_;
     const double weight = 1.0 / larger(larger(answer.spread, floor_), kOfAnswer * size_of(answer));
-    double unit = weight;
-    for (uint32_t i = 0; i < config_.power; ++i) unit *= x;
+    const double unit = weight * power_of(x);
     const double xx = x * x;
     row[0] = {unit, 0.0};
     row[1] = {unit * xx, 0.0};
+    row[2] = {unit * xx * xx, 0.0};
     Complex* slope = row + kRigid + model.count;
     for (size_t k = 0; k < model.count; ++k) {
       const double from = x / model.parameter[2 * k];
@@ -226,7 +245,7 @@ class ResponseFit {
     return left;
   }
 
-  double freedom(const ResponseModel& model) const {
+  [[gnu::noinline]] double freedom(const ResponseModel& model) const {
     return static_cast<double>(2 * count_ - (2 * kRigid + 1 + 4 * model.count));
   }
 
@@ -291,8 +310,7 @@ class ResponseFit {
       IdentifiedMode mode{};
       mode.frequency_hz = top_ * model.parameter[2 * k];
       mode.damping_ratio = damping;
-      mode.amplitude = math::sqrt(square_of(model.factor[kRigid + k]));
-      for (uint32_t i = 0; i < config_.power; ++i) mode.amplitude *= model.parameter[2 * k];
+      mode.amplitude = math::sqrt(square_of(model.factor[kRigid + k])) * power_of(model.parameter[2 * k]);
       mode.frequency_std_hz = of_frequency * mode.frequency_hz;
       mode.damping_std = of_damping * damping;
       mode.viscous = true;
@@ -320,11 +338,10 @@ Status check(const BinAnswer* answers, size_t count) {
   double before = 0.0;
   for (size_t n = 0; n < count; ++n) {
     const BinAnswer& answer = answers[n];
-    Status status = check_finite(Quantity::kFrequency, answer.frequency_hz);
-    if (status.ok()) status = check_finite(Quantity::kSamples, answer.re);
-    if (status.ok()) status = check_finite(Quantity::kSamples, answer.im);
-    if (status.ok()) status = check_finite(Quantity::kSamples, answer.spread);
-    if (!status.ok()) return status;
+    const double all = answer.re + answer.im + answer.spread;
+    if (!math::is_finite(answer.frequency_hz))
+      return refuse(Error::kNotFinite, Quantity::kFrequency, answer.frequency_hz);
+    if (!math::is_finite(all)) return refuse(Error::kNotFinite, Quantity::kSamples, all);
     if (!(answer.frequency_hz > before))
       return refuse(Error::kBelowMinimum, Quantity::kFrequency, answer.frequency_hz, before);
     if (answer.spread < 0.0) return refuse(Error::kBelowMinimum, Quantity::kSamples, answer.spread, 0.0);
