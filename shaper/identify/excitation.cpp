@@ -2,6 +2,7 @@
 #include "shaper/identify/excitation.hpp"
 
 #include "shaper/base/math.hpp"
+#include "shaper/base/shared.hpp"
 
 namespace stillpoint {
 
@@ -12,7 +13,7 @@ constexpr int64_t kQuarterTurn = INT64_C(1) << 62;
 constexpr int64_t kOne = INT64_C(1) << 62;  // of a sine or an envelope
 constexpr double kTurn = 0x1p64;
 constexpr double kMostTicks = 0x1p30;
-constexpr double kMostAmplitude = 0x1p30;         // counts
+constexpr double kMostAmplitude = 0x1p28;         // counts: eight of it, a third difference, fit 64 bits
 constexpr double kLeastAmplitude = 1.0;           // counts; less shows nothing
 constexpr uint32_t kRest = 3;                     // ticks at 0 that keep the differences of neighbours apart
 constexpr double kRounding = 8.0 / 4294967296.0;  // counts: more than rounding adds to a third difference
@@ -191,7 +192,7 @@ Status Excitation::prepare(const ExcitationConfig& config, Announcement& announc
 void Excitation::start() {
   at_ = 0;
   begin_step();
-  running_ = steps_ != 0 ? 1 : 0;
+  store(running_, steps_ != 0 ? 1 : 0);
 }
 
 void Excitation::begin_step() {
@@ -202,7 +203,7 @@ void Excitation::begin_step() {
 }
 
 Signal Excitation::tick() {
-  if (running_ == 0) return 0;
+  if (over()) return 0;
   const Step& step = step_[at_];
   const uint32_t out = step.block * (1 + held_blocks_);
   const uint32_t end = out + step.block;
@@ -228,7 +229,7 @@ Signal Excitation::tick() {
     if (++at_ < steps_) {
       begin_step();
     } else {
-      running_ = 0;
+      store(running_, 0);
     }
   }
   return offset;

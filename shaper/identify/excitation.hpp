@@ -6,6 +6,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "shaper/base/shared.hpp"
 #include "shaper/base/signal.hpp"
 #include "shaper/base/status.hpp"
 
@@ -20,7 +21,7 @@ enum class ExcitationKind : uint8_t { kBump, kSteppedSine, kChirp };
 struct ExcitationConfig {
   ExcitationKind kind;
   double tick_s;
-  double amplitude;  // counts, how far from where it begins at most; above 0, at most `travel`
+  double amplitude;  // counts, how far from where it begins at most; above 0, at most `travel` and 2^28
   double travel;     // counts: the room there is, either way
   double velocity;   // counts/s, acceleration counts/s^2 and jerk counts/s^3: what it keeps below
   double acceleration;
@@ -50,7 +51,8 @@ struct Announcement {
 class Excitation {
  public:
   // Refuses, by name, a config that does not validate; while running (kBusy); limits that leave less than a count; a
-  // band so low that it would last over 2^30 ticks. Cost: the generator twice over all ticks, and 2.7 KB of stack.
+  // band so low that it would last over 2^30 ticks. Cost: the generator twice over all ticks, and another Excitation of
+  // stack.
   Status prepare(const ExcitationConfig& config, Announcement& announcement);
 
   // While the tick does not run it. From the beginning, again as often as wanted.
@@ -58,7 +60,7 @@ class Excitation {
 
   // How far from where it began, this tick. Integers only, the same bits on all machines.
   Signal tick();
-  bool over() const { return running_ == 0; }
+  bool over() const { return load(running_) == 0; }
 
  private:
   static constexpr uint32_t kSteppedBlocks = 6;  // held, of two periods: two to settle, four to measure
