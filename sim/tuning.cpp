@@ -49,9 +49,10 @@ class Bench {
 
   Tuning run(const OnProgress& on_progress) {
     TunePlan plan{};
-    const Status planned = plan_tuning(rig_->axis, config_, TuneMemory::kSamples, firmware::kLineCapacity, plan);
+    const Status planned =
+        plan_tuning(rig_->axis, config_, TuneMemory::kSamples, firmware::kLineCapacity, rig_->memory.bump, plan);
     if (planned.error == Error::kNotAvailable && planned.quantity == Quantity::kKind) {
-      throw bad_argument("excitation", text(config_.excitation), "not available, auto and move are accepted");
+      throw bad_argument("excitation", text(config_.excitation), "not available, auto, move and bump are accepted");
     }
     check(planned);
     check(rig_->tune.start(config_, &tuning_.first_announced));

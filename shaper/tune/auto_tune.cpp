@@ -16,6 +16,7 @@ constexpr double kFaded = 0.1;           // of the plain ringing, what may be le
 constexpr double kFades = 2.302585 / (2.0 * math::kPi);  // to that, in periods times damping
 constexpr double kLeastDecay = kFades / 60.0;            // frequency times damping: a minute is waited at most
 constexpr double kLeastAmplitude = 0.002;                // of a mode over the strongest one's
+constexpr uint32_t kMadeUpTicks = 4;                     // of the bump's stream; the tick misses none
 constexpr int kErrorFractionBits = 16;
 constexpr double kCountsPerError = 1.0 / (1 << kErrorFractionBits);
 
@@ -58,7 +59,7 @@ Status AutoTune::start(const TuneConfig& config, Announcement* announced) {
   if (axis_->lend_memory(doubles) == nullptr) return refuse(Error::kNotAvailable, Quantity::kNone, 0.0);
   axis_->take_memory_back();
   TunePlan plan{};
-  const Status status = plan_tuning(*axis_, config, TuneMemory::kSamples, doubles, plan);
+  const Status status = plan_tuning(*axis_, config, TuneMemory::kSamples, doubles, memory_->bump, plan);
   if (!status.ok()) return status;
   config_ = config;
   plan_ = plan;
@@ -66,7 +67,8 @@ Status AutoTune::start(const TuneConfig& config, Announcement* announced) {
   verifying_ = is_out_ = shaper_changed_ = handed_over_ = taken_again_ = abort_asked_ = false;
   report_ = TuneReport{};
   report_.state = TuneState::kExciting;
-  report_.excited_by = TuneExcitation::kMove;
+  by_bump_ = config.excitation == TuneExcitation::kBump;
+  report_.excited_by = by_bump_ ? TuneExcitation::kBump : TuneExcitation::kMove;
   report_.announced = plan.announced;
   report_.source = config.source;
   store(stopped_, 0);
@@ -123,7 +125,7 @@ void AutoTune::service(const Meanwhile& meanwhile) {
 // A stop, or a reset that put the axis where its motion did not lead.
 bool AutoTune::is_disturbed() const {
   if (step_ == Step::kRestore) return false;
-  if (load(stopped_) != 0) return true;
+  if (load(stopped_) != 0 || bump_was_lost()) return true;
   return step_ == Step::kListen && at_rest() && axis_->state().setpoint != expected_;
 }
 
@@ -132,7 +134,7 @@ void AutoTune::take_step(const Meanwhile& meanwhile) {
   if (step_ == Step::kLook) return look(meanwhile);
   if (step_ == Step::kNone || !at_rest()) return;
   if (step_ == Step::kUnshape) return take_off_shaper();
-  if (step_ == Step::kMove) return send_move();
+  if (step_ == Step::kMove) return by_bump_ ? send_bump() : send_move();
   if (step_ == Step::kApply) return apply(meanwhile);
   put_back();
 }
@@ -170,6 +172,34 @@ void AutoTune::send_move() {
   step_ = Step::kListen;
 }
 
+// The tick streams it: see there.
+void AutoTune::send_bump() {
+  Announcement announced{};
+  expected_ = axis_->state().setpoint;
+  Status status = prepare_bump(*axis_, config_, memory_->bump, announced);
+  if (status.ok()) status = start_listening();
+  if (!status.ok()) return refused(status);
+  memory_->bump.start();
+  store(bump_, kBumps);
+  StreamConfig stream{config_.move.limits, StreamPolicy::kClamp, kMadeUpTicks};
+  status = axis_->begin_stream(stream);
+  if (!status.ok()) return refused(status);
+  report_.state = verifying_ ? TuneState::kVerifying : TuneState::kExciting;
+  step_ = Step::kListen;
+}
+
+// A reset may have dropped the stream.
+bool AutoTune::bump_was_lost() const { return step_ == Step::kListen && at_rest() && load(bump_) == kBumps; }
+
+void AutoTune::try_bump_or_fail(Finding finding) {
+  if (by_bump_ || !plan_.has_bump) return fail(finding);
+  by_bump_ = true;
+  taken_again_ = false;
+  report_.excited_by = TuneExcitation::kBump;
+  report_.state = TuneState::kExciting;
+  step_ = Step::kMove;
+}
+
 Status AutoTune::start_listening() {
   CaptureConfig capture;
   capture.samples = plan_.listen.samples;
@@ -186,11 +216,16 @@ Status AutoTune::start_listening() {
 
 void AutoTune::stop_listening() {
   store(listens_, 0);
+  store(bump_, kNoBump);
   watch_.disarm();
   capture_.stop();
 }
 
 void AutoTune::listen() {
+  if (load(bump_) == kBumpOver) {
+    store(bump_, kNoBump);
+    if (!axis_->halt(config_.move.limits, nullptr).ok()) axis_->request_stop();
+  }
   const CaptureState state = capture_.state();
   if (state == CaptureState::kRunning) {
     if (!verifying_) report_.state = TuneState::kCapturing;
@@ -255,6 +290,7 @@ void AutoTune::look_at_plain(const Record& record, const IdentifyScratch& scratc
   if (!status.ok()) return refused(status);
   if (found.finding == Finding::kSaturated) return give_up_record(found.finding);
   drop_modes_outside_band();
+  if (found.finding == Finding::kNoMode || found.finding == Finding::kNoisy) return try_bump_or_fail(found.finding);
   if (found.finding != Finding::kFound) return fail(found.finding);
   const double rest_s = fading_time_s(found) - static_cast<double>(record.count) / config.rate_hz;
   if (rest_s > 0.0) faded_at_ += static_cast<uint32_t>(rest_s / axis_->config().tick_s);
@@ -262,7 +298,8 @@ void AutoTune::look_at_plain(const Record& record, const IdentifyScratch& scratc
   choose(found, config_.tolerance, axis_->config().tick_s, report_.proposal, meanwhile);
   if (abort_asked_) return;
   report_.source_enough = report_.proposal.residual <= config_.tolerance;
-  if (report_.proposal.spec_count == 0 || report_.proposal.residual > kWorthProposing) return fail(Finding::kNoisy);
+  if (report_.proposal.spec_count == 0 || report_.proposal.residual > kWorthProposing)
+    return try_bump_or_fail(Finding::kNoisy);
   report_.state = TuneState::kProposed;
   step_ = Step::kNone;
   if (config_.accept_by_itself) static_cast<void>(accept());
@@ -379,6 +416,11 @@ void AutoTune::tick(const TuneSample& sample) {
   const AxisPhase phase = axis_->state().phase;
   if (phase == AxisPhase::kStopping) store(stopped_, 1);
   if (load(listens_) == 0) return;
+  if (phase == AxisPhase::kStreaming && load(bump_) == kBumps) {
+    const Signal offset = memory_->bump.tick();
+    axis_->stream(plan_.bump_forward ? expected_ + offset : expected_ - offset);
+    if (memory_->bump.over()) store(bump_, kBumpOver);
+  }
   if (watch_.tick(phase == AxisPhase::kAtRest, sample.position, sample.fresh)) capture_.trigger();
   // Not while it moves: a gap or a value at the sensor's end is no flaw of the record then.
   if (!watch_.is_after_motion()) return choose_source();

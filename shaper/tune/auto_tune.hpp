@@ -64,20 +64,25 @@ struct TuneSample {
 // which no one needs while a record is looked at. 8 + 5.3 + 16 KB.
 struct TuneMemory {
   static constexpr size_t kSamples = 2048;
-  CaptureWord record[kSamples];
+  union {
+    CaptureWord record[kSamples];
+    Excitation bump;  // while it moves nothing is recorded
+  };
   DecayFit fit;
 };
 
 // Owns the axis while `busy`: whoever commands it besides gets kBusy, or aborts the tuning first. A stop, or a reset
 // that puts the axis elsewhere while it moves or listens, aborts it.
 //
-// What it does: takes the shaper in force off, moves to the target, records from where axis and motor rest, identifies,
-// chooses, waits for `accept`, applies at rest, waits until the plain ringing has faded to a tenth (a minute at most),
-// moves back and compares: the shaper is kept where the shaped ringing is at most half of the plain one, whatever noise
-// may hide, and is undone otherwise. A record with gaps in more than 1 % of its ticks, or that looks clipped, is taken
-// again once, on the way back. An ending other than kKept has the shaper of before in force; the axis then stands
-// where its last motion led. `service` must be called for an abort to be heard; it does not return while it identifies.
-// A refusal of the axis ends it as kFailed, kAborted, with `refusal`.
+// What it does: takes the shaper in force off, moves to the target, records from where axis and motor rest,
+// identifies, chooses, waits for `accept`, applies at rest, waits until the plain ringing has faded to a tenth (a
+// minute at most), moves back and compares: the shaper is kept where the shaped ringing is at most half of the plain
+// one, whatever noise may hide, and is undone otherwise. A record with gaps in more than 1 % of its ticks, or that
+// looks clipped, is taken again once, on the way back. An ending other than kKept has the shaper of before in force;
+// the axis then stands where its last motion led. Where the bump excites, alone or after a move that showed no mode
+// or none that is known well enough for a shaper (kAuto), it is streamed through the axis, and a second one, shaped,
+// verifies: like is compared with like. `service` must be called for an abort to be heard; it does not return while
+// it identifies. A refusal of the axis ends it as kFailed, kAborted, with `refusal`.
 //
 // `tick` is the tick's, after AxisCore::tick; everything else is the background's. AxisCore::service is the caller's to
 // call. Zero-initialised storage is valid. RAM: 2 KB, and TuneMemory.
@@ -109,6 +114,7 @@ class AutoTune {
   void tick(const TuneSample& sample);
 
  private:
+  enum : uint32_t { kNoBump, kBumps, kBumpOver };
   enum class Step : uint8_t { kNone, kUnshape, kMove, kListen, kLook, kApply, kRestore };
 
   uint32_t progress_percent() const;
@@ -117,6 +123,9 @@ class AutoTune {
   void take_step(const Meanwhile& meanwhile);
   void take_off_shaper();
   void send_move();
+  void send_bump();
+  void try_bump_or_fail(Finding finding);
+  bool bump_was_lost() const;
   Status start_listening();
   void listen();
   void look(const Meanwhile& meanwhile);
@@ -143,6 +152,7 @@ class AutoTune {
   Step step_ = Step::kNone;
   TuneState ends_as_ = TuneState::kIdle;  // once the shaper of before is back
   bool verifying_ = false;
+  bool by_bump_ = false;         // what excites now
   bool is_out_ = false;          // stands where the move leads
   bool shaper_changed_ = false;  // `before_` is not in force
   bool handed_over_ = false;     // the shaper that the step is about
@@ -155,6 +165,7 @@ class AutoTune {
 
   // Shared with the tick.
   uint32_t listens_ = 0;
+  uint32_t bump_ = 0;         // kNoBump and so on
   uint32_t to_error_ = 0;     // the following error, not the accelerometer
   uint32_t accelerates_ = 0;  // the accelerometer has read two different values
   uint32_t clipped_ = 0;      // ticks of the rest with a value at the sensor's end

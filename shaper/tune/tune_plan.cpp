@@ -29,8 +29,8 @@ Status check_choices(const TuneConfig& config) {
   const auto excitation = static_cast<uint32_t>(config.excitation);
   if (excitation >= kTuneExcitations)
     return refuse(Error::kAboveMaximum, Quantity::kKind, excitation, kTuneExcitations - 1.0);
-  if (excitation > static_cast<uint32_t>(TuneExcitation::kMove))
-    return refuse(Error::kNotAvailable, Quantity::kKind, excitation, static_cast<double>(TuneExcitation::kMove));
+  if (excitation > static_cast<uint32_t>(TuneExcitation::kBump))
+    return refuse(Error::kNotAvailable, Quantity::kKind, excitation, static_cast<double>(TuneExcitation::kBump));
   const auto source = static_cast<uint32_t>(config.source);
   if (source >= kTuneSources) return refuse(Error::kAboveMaximum, Quantity::kKind, source, kTuneSources - 1.0);
   return between(Quantity::kTolerance, config.tolerance, kMinTolerance, kMaxTolerance);
@@ -78,9 +78,77 @@ Status plan_move(AxisCore& axis, const TuneConfig& config, TunePlan& plan) {
   return between(Quantity::kTravel, distance, 0.0, config.travel_counts);
 }
 
+double larger(double a, double b) { return a > b ? a : b; }
+double smaller(double a, double b) { return a < b ? a : b; }
+
+// Up from home, or down where a soft limit is in the way; after the move from its target back, which keeps the travel.
+Status plan_bump(AxisCore& axis, const TuneConfig& config, Excitation& bump, TunePlan& plan) {
+  const bool only = config.excitation == TuneExcitation::kBump;
+  const Signal home = axis.state().setpoint;
+  Signal from = home;
+  bool forward = true;
+  if (!only) {
+    from = plan.target;
+    forward = wrapping_difference(plan.target, home) < 0;
+  }
+  if (only && config.amplitude_counts > config.travel_counts)
+    return refuse(Error::kAboveMaximum, Quantity::kTravel, config.amplitude_counts, config.travel_counts);
+  Announcement announced{};
+  const Status status = prepare_bump(axis, config, bump, announced);
+  if (!status.ok()) return status;
+  const AxisConfig& of_axis = axis.config();
+  if (of_axis.has_soft_limits()) {
+    const double at = static_cast<double>(from) / static_cast<double>(kSignalPerCount);
+    const double below = at - of_axis.soft_low_counts;
+    const double above = of_axis.soft_high_counts - at;
+    if (only && above < announced.travel) forward = false;
+    const double room = forward ? above : below;
+    if (room < announced.travel) return refuse(Error::kAboveMaximum, Quantity::kAmplitude, announced.travel, room);
+  }
+  plan.has_bump = true;
+  plan.bump_forward = forward;
+  Announcement& all = plan.announced;
+  all.travel = larger(all.travel, announced.travel);
+  all.velocity = larger(all.velocity, announced.velocity);
+  all.acceleration = larger(all.acceleration, announced.acceleration);
+  all.jerk = larger(all.jerk, announced.jerk);
+  all.duration_s = larger(all.duration_s, announced.duration_s);
+  return kOk;
+}
+
+// What excites, in order; kAuto can do without the bump.
+Status plan_excitation(AxisCore& axis, const TuneConfig& config, Excitation& bump, TunePlan& plan) {
+  if (config.excitation == TuneExcitation::kBump) {
+    plan.home = axis.state().setpoint;
+    const Status status = config.move.limits.validate();
+    const Status within = status.ok() ? config.move.limits.within(axis.config().maximum) : status;
+    return within.ok() ? plan_bump(axis, config, bump, plan) : within;
+  }
+  const Status status = plan_move(axis, config, plan);
+  if (status.ok() && config.excitation == TuneExcitation::kAuto) static_cast<void>(plan_bump(axis, config, bump, plan));
+  return status;
+}
+
 }  // namespace
 
-Status plan_tuning(AxisCore& axis, const TuneConfig& config, size_t samples, size_t memory, TunePlan& plan) {
+Status prepare_bump(const AxisCore& axis, const TuneConfig& config, Excitation& bump, Announcement& announced) {
+  const AxisLimits& limits = config.move.limits;
+  ExcitationConfig wanted{};
+  wanted.kind = ExcitationKind::kBump;
+  wanted.tick_s = axis.config().tick_s;
+  wanted.amplitude = config.amplitude_counts;
+  wanted.travel = config.travel_counts;
+  wanted.velocity = limits.velocity;
+  wanted.acceleration = smaller(limits.acceleration, limits.deceleration);
+  wanted.jerk = limits.jerk;
+  wanted.low_hz = config.low_hz;
+  wanted.high_hz = config.high_hz;
+  bump = Excitation{};
+  return bump.prepare(wanted, announced);
+}
+
+Status plan_tuning(AxisCore& axis, const TuneConfig& config, size_t samples, size_t memory, Excitation& bump,
+                   TunePlan& plan) {
   const double tick_s = axis.config().tick_s;
   size_t size = samples;
   while (size > memory) size /= 2;
@@ -90,8 +158,8 @@ Status plan_tuning(AxisCore& axis, const TuneConfig& config, size_t samples, siz
   TunePlan result{};
   Status status = check_choices(config);
   if (status.ok()) status = check_positive(Quantity::kTravel, config.travel_counts);
-  if (status.ok()) status = plan_move(axis, config, result);
   if (status.ok()) status = plan_listening(config, tick_s, static_cast<uint32_t>(size), result.listen);
+  if (status.ok()) status = plan_excitation(axis, config, bump, result);
   if (!status.ok()) return status;
   const double still = kMovesStill * result.announced.velocity * result.listen.window_ticks * tick_s;
   result.listen.tolerance =

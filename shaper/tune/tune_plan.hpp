@@ -13,7 +13,7 @@ namespace stillpoint {
 
 // The numbers are the drive's register values: never renumbered.
 
-// kAuto: the move, and if its ringing does not tell, the bump, and then the stepped sine.
+// kAuto: the move, and if its ringing does not tell, the bump, where there is room and amplitude for one.
 enum class TuneExcitation : uint8_t { kAuto, kMove, kBump, kSteppedSine, kChirp };
 constexpr uint32_t kTuneExcitations = 5;
 
@@ -51,7 +51,9 @@ struct ListenPlan {
 
 // A tuning that was found to be possible.
 struct TunePlan {
-  Announcement announced;  // the move
+  Announcement announced;  // the excitation; with kAuto the larger of move and bump in each
+  bool has_bump;           // it was prepared
+  bool bump_forward;       // to rising counts
   int32_t home_counts;     // where it begins, as the target of the move back
   Signal home;             // the same, and the move's target, as setpoints
   Signal target;
@@ -59,12 +61,19 @@ struct TunePlan {
 };
 
 // Refuses, by name, with nothing done: what AxisCore::command would of the move behind no shaper; a distance of 0
-// (kNotPositive kDistance) or beyond the travel (kAboveMaximum kTravel); a band that is not finite, rising, above zero
-// and at most 0.4 of the tick rate, or whose low end has fewer than three periods in the longest record that its high
-// end allows (kFrequency); a tolerance outside [kMinTolerance, kMaxTolerance]; an excitation or source that there is
-// not (kKind), or not here (kNotAvailable); less than kLeastTuneMemory doubles of `memory` (kLineTooShort). The axis at
-// rest. `samples`: room in the record.
-Status plan_tuning(AxisCore& axis, const TuneConfig& config, size_t samples, size_t memory, TunePlan& plan);
+// (kNotPositive kDistance) or beyond the travel (kAboveMaximum kTravel), unless it is the bump that excites; what
+// Excitation::prepare does of the bump, and one that a soft limit leaves no room for
+// (kAboveMaximum kAmplitude, kAboveMaximum kTravel beyond the travel), where kAuto does without; a band that is not
+// finite, rising, above zero and at most 0.4 of the tick rate, or whose low end has fewer than three periods in the
+// longest record that its high end allows (kFrequency); a tolerance outside [kMinTolerance, kMaxTolerance]; an
+// excitation or source that there is not (kKind), or not here (kNotAvailable); less than kLeastTuneMemory doubles of
+// `memory` (kLineTooShort). The axis at rest. `samples`: room in the record. `bump`: nobody's; what was in it is
+// lost.
+Status plan_tuning(AxisCore& axis, const TuneConfig& config, size_t samples, size_t memory, Excitation& bump,
+                   TunePlan& plan);
+
+// Once more the bump of a plan.
+Status prepare_bump(const AxisCore& axis, const TuneConfig& config, Excitation& bump, Announcement& announced);
 
 constexpr size_t kLeastTuneMemory = 256;
 

@@ -67,6 +67,25 @@ TEST_F(Tunable, what_it_will_do_can_be_read_before_it_moves) {
   TEST_ASSERT_DOUBLE_WITHIN(2.0, duration_ms, static_cast<double>(moving));
 }
 
+TEST_F(Tunable, the_bump_tunes_without_leading_anywhere) {
+  TEST_ASSERT_EQUAL_UINT32(0, write_single(0x0201, 2));
+  TEST_ASSERT_EQUAL_UINT32(0, write_single(0x0207, 400));  // the band's high end, 40 Hz
+  const double plain = ringing_after_move(kTarget);
+  arm.forget();
+  run_to_kept();
+  TEST_ASSERT_EQUAL_UINT32(2, get(0x0247));
+  TEST_ASSERT_EQUAL_UINT32(0, get(0x020A));
+  TEST_ASSERT_DOUBLE_WITHIN(0.005 * 110000, 110000.0, get_wide(0x0210));
+  TEST_ASSERT_DOUBLE_WITHIN(0.1 * 11000, 11000.0, get(0x0212));
+  TEST_ASSERT_EQUAL_INT64(kTarget * kCount, arm.setpoints.back());
+  const double reached = reach_from(kTarget);
+  TEST_ASSERT_AT_LEAST_DOUBLE(10.0, reached);
+  TEST_ASSERT_AT_MOST_DOUBLE(get_wide(0x0230) + 1.0, reached);
+  const double shaped = ringing_after_move(0);
+  MESSAGE("plain ", plain, " shaped ", shaped);
+  TEST_ASSERT_TRUE(shaped < 0.05 * plain);
+}
+
 TEST_F(Tunable, what_is_proposed_is_previewed_and_not_yet_in_force) {
   TEST_ASSERT_EQUAL_UINT32(0, tune(kStart));
   reach(TuneState::kProposed);
