@@ -49,7 +49,8 @@ bool prepare(Flash& registers, uint32_t operation) {
     registers.KEYR = Flash::kKey1;
     registers.KEYR = Flash::kKey2;
   }
-  registers.SR = registers.SR;  // the errors that are set: a one clears
+  const uint32_t errors = registers.SR;
+  registers.SR = errors;  // a one clears
   registers.CR = operation;
   return registers.CR == operation;
 }

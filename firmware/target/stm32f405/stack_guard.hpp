@@ -4,7 +4,7 @@
 #include <stdint.h>
 
 // From linker.ld; the address is the value.
-extern "C" uint32_t stack_end;
+extern "C" uint32_t stack_end[];
 
 namespace stillpoint::stm32f405 {
 
@@ -13,13 +13,13 @@ namespace stillpoint::stm32f405 {
 class StackGuard {
  public:
   static void lay() {
-    volatile uint32_t* const words = &stack_end;
+    volatile uint32_t* const words = stack_end;
     for (uint32_t i = 0; i < kWords; ++i) words[i] = kPattern ^ i;
   }
 
   // Any context.
   static bool intact() {
-    const volatile uint32_t* const words = &stack_end;
+    const volatile uint32_t* const words = stack_end;
     for (uint32_t i = 0; i < kWords; ++i) {
       if (words[i] != (kPattern ^ i)) return false;
     }
