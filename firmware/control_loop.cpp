@@ -55,8 +55,10 @@ void ControlLoop::note_overrun() {
 
 void ControlLoop::own_timer_tick() {
   // With ticks coming they obey: filling a line here would hold up the link's bytes.
-  if (state_.link_silent) obey_clear_and_disable();
-  if (state_.link_silent) take_requested_fault();
+  if (state_.link_silent) {
+    obey_clear_and_disable();
+    take_requested_fault();
+  }
   watch_client();
   if (silent_ms_ < kSilentMsAbandon) ++silent_ms_;
   if (silent_ms_ == kSilentMsFault) {

@@ -25,7 +25,9 @@ ModbusException RegisterBank::read(uint16_t first, uint32_t count, uint16_t* wor
     }
   }
   refresh();
-  if (first + count > address_of(Register::kTuneState)) parts_.tuning->show();
+  const bool of_tuning =
+      first + count > address_of(Register::kTuneState) && first <= address_of(Register::kTuneExcitedBy);
+  if (of_tuning) parts_.tuning->show();
   for (uint32_t i = 0; i < count; ++i) {
     const uint32_t address = first + i;
     if (in_fault_history(address)) {

@@ -101,14 +101,13 @@ void TuneSettings::refuse_start(const Status& status) {
   double per_unit = 1.0;
   double nearest = status.accepted;
   switch (status.quantity) {
+    case Quantity::kTravel:  // what the move needs, above what there is
     case Quantity::kDistance:
     case Quantity::kAmplitude: culprit = Register::kTuneAmplitude; break;
     case Quantity::kPosition:
       culprit = Register::kTuneAmplitude;
       nearest = nearest > from_counts_ ? nearest - from_counts_ : from_counts_ - nearest;
       break;
-    // What the move needs, above what there is.
-    case Quantity::kTravel: culprit = Register::kTuneAmplitude; break;
     case Quantity::kKind: culprit = Register::kTuneExcitation; break;
     case Quantity::kFrequency:
       culprit = status.value == low_hz_ ? Register::kTuneBandLow : Register::kTuneBandHigh;

@@ -193,7 +193,9 @@ class AxisCore {
   Status time_within(const Move& move, Signal start, Signal target, uint32_t ticks, Plan& plan, MoveReport& report);
   Status time_sooner(const Move& move, Signal start, Signal target, uint32_t available, Plan& plan, MoveReport& report);
   Status slow_down_for_shaper(const Move& move, Signal start, Signal target, Plan& plan, MoveReport& report);
-  Status configure_spare(const ShaperDesign& design, Signal position);
+  // axis_retune.cpp. `Source`: a design, or a shaper that runs.
+  template <typename Source>
+  Status configure_spare(const Source& source, Signal position);
   Status fill_spare(Signal start);
   ShapedMoveCheck check_for(const Move& move, Signal start, Signal target);
   void hand_over(Pending what, uint32_t epoch);

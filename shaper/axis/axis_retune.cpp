@@ -15,6 +15,13 @@ uint32_t first_lead(const Shaper& a, const Shaper& b) { return 16 + (a.length_ti
 
 }  // namespace
 
+template <typename Source>
+Status AxisCore::configure_spare(const Source& source, Signal position) {
+  if (lent_) return refuse(Error::kBusy, Quantity::kNone, 0.0);
+  const uint32_t spare = active_shaper_ ^ 1;
+  return shapers_[spare].configure(source, memory_[spare], capacity_, position);
+}
+
 Status AxisCore::set_shaper(const ShaperDesign& design, Retune when) {
   const uint32_t epoch = load(epoch_);
   const AxisState now = state();
@@ -32,17 +39,7 @@ Status AxisCore::set_shaper(const ShaperDesign& design, Retune when) {
   return kOk;
 }
 
-Status AxisCore::configure_spare(const ShaperDesign& design, Signal position) {
-  if (lent_) return refuse(Error::kBusy, Quantity::kNone, 0.0);
-  const uint32_t spare = active_shaper_ ^ 1;
-  return shapers_[spare].configure(design, memory_[spare], capacity_, position);
-}
-
-Status AxisCore::fill_spare(Signal start) {
-  if (lent_) return refuse(Error::kBusy, Quantity::kNone, 0.0);
-  const uint32_t spare = active_shaper_ ^ 1;
-  return shapers_[spare].configure(running(), memory_[spare], capacity_, start);
-}
+Status AxisCore::fill_spare(Signal start) { return configure_spare(running(), start); }
 
 double* AxisCore::lend_memory(size_t& doubles) {
   if (!configured_ || load(pending_) != kNothing) return nullptr;

@@ -59,9 +59,6 @@ int64_t sine(uint64_t phase) {
 
 double magnitude(Signal value) { return math::abs(static_cast<double>(value)) / static_cast<double>(kSignalPerCount); }
 
-double larger(double a, double b) { return a > b ? a : b; }
-double smaller(double a, double b) { return a < b ? a : b; }
-
 }  // namespace
 
 Status ExcitationConfig::validate() const {
@@ -77,7 +74,7 @@ Status ExcitationConfig::validate() const {
     const Status status = check_positive(positive[i].quantity, positive[i].value);
     if (!status.ok()) return status;
   }
-  const double most = smaller(travel, kMostAmplitude);
+  const double most = math::lesser(travel, kMostAmplitude);
   if (amplitude > most) return refuse(Error::kAboveMaximum, Quantity::kAmplitude, amplitude, most);
   const double highest = 0.45 / tick_s;
   if (high_hz >= highest) return refuse(Error::kAboveMaximum, Quantity::kFrequency, high_hz, highest);
@@ -101,12 +98,12 @@ bool Excitation::lay_out(const ExcitationConfig& config) {
     const double per_tick = config.low_hz * math::exp(span * k) * config.tick_s;
     double periods = 2.0;
     if (periods / per_tick < 32.0) periods = 16.0;  // else whole ticks would shift the frequency
-    double block = math::nearest_integer(smaller(periods / per_tick, kMostTicks));
+    double block = math::nearest_integer(math::lesser(periods / per_tick, kMostTicks));
     double held = kSteppedBlocks;
     if (kind_ == ExcitationKind::kBump) {
       // sin^4 has its first notch at three over its length
-      block = math::nearest_integer(smaller(1.25 / (config.high_hz * config.tick_s), kMostTicks));
-      block = larger(block, 2.0);
+      block = math::nearest_integer(math::lesser(1.25 / (config.high_hz * config.tick_s), kMostTicks));
+      block = math::greater(block, 2.0);
       held = 0.0;
       periods = 0.5;
     } else if (kind_ == ExcitationKind::kChirp) {
@@ -140,10 +137,10 @@ Excitation::Peaks Excitation::peaks_of_step() {
     const Signal first = now - before[0];
     const Signal second = first - (before[0] - before[1]);
     const Signal third = second - (before[0] - 2 * before[1] + before[2]);
-    peaks.difference[0] = larger(peaks.difference[0], magnitude(now));
-    peaks.difference[1] = larger(peaks.difference[1], magnitude(first));
-    peaks.difference[2] = larger(peaks.difference[2], magnitude(second));
-    peaks.difference[3] = larger(peaks.difference[3], magnitude(third));
+    peaks.difference[0] = math::greater(peaks.difference[0], magnitude(now));
+    peaks.difference[1] = math::greater(peaks.difference[1], magnitude(first));
+    peaks.difference[2] = math::greater(peaks.difference[2], magnitude(second));
+    peaks.difference[3] = math::greater(peaks.difference[3], magnitude(third));
     before[2] = before[1];
     before[1] = before[0];
     before[0] = now;
@@ -172,9 +169,10 @@ Status Excitation::prepare(const ExcitationConfig& config, Announcement& announc
       const double room = limits[i] * scale[i] - kRounding;
       const double allowed = room * kTrial / (peaks.difference[i] + kRounding);
       if (!(allowed >= kLeastAmplitude * 0.999)) {
-        return refuse(Error::kBelowMinimum, names[i], limits[i], limits[i] * kLeastAmplitude / larger(allowed, 1e-300));
+        return refuse(Error::kBelowMinimum, names[i], limits[i],
+                      limits[i] * kLeastAmplitude / math::greater(allowed, 1e-300));
       }
-      amplitude = smaller(amplitude, allowed);
+      amplitude = math::lesser(amplitude, allowed);
     }
     next.step_[k].amplitude = static_cast<Signal>(amplitude * static_cast<double>(kSignalPerCount));
   }
@@ -182,7 +180,7 @@ Status Excitation::prepare(const ExcitationConfig& config, Announcement& announc
   Peaks all = {};
   for (uint32_t k = 0; k < next.steps_; ++k) {
     const Peaks peaks = next.peaks_of_step();
-    for (size_t i = 0; i < 4; ++i) all.difference[i] = larger(all.difference[i], peaks.difference[i] / scale[i]);
+    for (size_t i = 0; i < 4; ++i) all.difference[i] = math::greater(all.difference[i], peaks.difference[i] / scale[i]);
   }
   announcement = {all.difference[0], all.difference[1], all.difference[2], all.difference[3], next.ticks_ * tick};
   *this = next;

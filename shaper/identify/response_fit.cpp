@@ -31,9 +31,8 @@ constexpr double kOfLargest = 1e-7;
 [[gnu::noinline]] double bounded(double value, double low, double high) {
   return value < low ? low : value > high ? high : value;
 }
-[[gnu::noinline]] double larger(double a, double b) { return a > b ? a : b; }
 [[gnu::noinline]] double size_of(const BinAnswer& answer) {
-  return larger(math::magnitude(answer.re), math::magnitude(answer.im));
+  return math::greater(math::magnitude(answer.re), math::magnitude(answer.im));
 }
 [[gnu::noinline]] double trust(double doubt, double half) { return 1.0 / (1.0 + math::square(doubt / half)); }
 
@@ -52,9 +51,9 @@ class ResponseFit {
       : answers_(answers), count_(count), config_(config), scratch_(scratch), meanwhile_(meanwhile) {
     top_ = answers[count - 1].frequency_hz;
     double largest = 0.0;
-    for (size_t n = 0; n < count; ++n) largest = larger(largest, size_of(answers[n]));
+    for (size_t n = 0; n < count; ++n) largest = math::greater(largest, size_of(answers[n]));
     const double median = median_spread();
-    floor_ = larger(kOfMedian * median, kOfLargest * largest);
+    floor_ = math::greater(kOfMedian * median, kOfLargest * largest);
   }
 
   void run(Identification& result) {
@@ -88,7 +87,7 @@ class ResponseFit {
     for (size_t n = 0; n < count_; ++n) {
       size_t below = 0;
       for (size_t k = 0; k < count_; ++k) below += answers_[k].spread < answers_[n].spread ? 1 : 0;
-      if (2 * below <= count_) median = larger(median, answers_[n].spread);
+      if (2 * below <= count_) median = math::greater(median, answers_[n].spread);
     }
     return median;
   }
@@ -121,7 +120,7 @@ class ResponseFit {
   // damping, and the answers' by the delay; the answers. These are turned back by the delay, not the model by it.
   void write_row(const BinAnswer& answer, const ResponseModel& model, bool slopes, Complex* row) const {
     const double x = answer.frequency_hz / top_;
-    const double weight = 1.0 / larger(larger(answer.spread, floor_), kOfAnswer * size_of(answer));
+    const double weight = 1.0 / math::greater(math::greater(answer.spread, floor_), kOfAnswer * size_of(answer));
     const double unit = weight * power_of(x);
     const double xx = x * x;
     row[0] = {unit, 0.0};
@@ -250,7 +249,7 @@ class ResponseFit {
   }
 
   // Of the answers, by what is left and by their own spreads, the larger.
-  double variance(double left, const ResponseModel& model) const { return larger(left / freedom(model), 1.0); }
+  double variance(double left, const ResponseModel& model) const { return math::greater(left / freedom(model), 1.0); }
 
   // The mode that takes most away, on the bins and between, narrow to wide.
   ResponseModel search(const ResponseModel& model) {
@@ -280,7 +279,8 @@ class ResponseFit {
     for (size_t k = 2; k < 2 * model.count; k += 2) {
       for (size_t i = 0; i < k; i += 2) {
         const double width = model.parameter[k + 1] + model.parameter[i + 1];
-        if (math::magnitude(math::log(model.parameter[k] / model.parameter[i])) < larger(bin, width)) return false;
+        if (math::magnitude(math::log(model.parameter[k] / model.parameter[i])) < math::greater(bin, width))
+          return false;
       }
     }
     return true;

@@ -19,19 +19,16 @@ constexpr uint32_t kKindCount = 5;
 // Twice the zeros that each counts for at first sight: an EI of 5 % holds half as wide again as a ZVD.
 constexpr uint8_t kHalfZeros[] = {2, 4, 5, 6, 8};
 
-double larger(double a, double b) { return a > b ? a : b; }
-double smaller(double a, double b) { return a < b ? a : b; }
-
 double rounded(double value, double per_one) { return static_cast<uint32_t>(value * per_one + 0.5) / per_one; }
 
 ModeBand band_of(const IdentifiedMode& mode, double tick_s) {
-  const double half = larger(kDeviations * mode.frequency_std_hz, kLeastWidth * mode.frequency_hz);
+  const double half = math::greater(kDeviations * mode.frequency_std_hz, kLeastWidth * mode.frequency_hz);
   const double damping = kDeviations * mode.damping_std;
   ModeBand band{};
-  band.low_hz = larger(mode.frequency_hz - half, 0.05 * mode.frequency_hz);
-  band.high_hz = smaller(mode.frequency_hz + half, 0.499 / tick_s);
-  band.low_damping = smaller(larger(mode.damping_ratio - damping, 0.0), kMaxDampingRatio);
-  band.high_damping = smaller(mode.damping_ratio + damping, kMaxDampingRatio);
+  band.low_hz = math::greater(mode.frequency_hz - half, 0.05 * mode.frequency_hz);
+  band.high_hz = math::lesser(mode.frequency_hz + half, 0.499 / tick_s);
+  band.low_damping = math::lesser(math::greater(mode.damping_ratio - damping, 0.0), kMaxDampingRatio);
+  band.high_damping = math::lesser(mode.damping_ratio + damping, kMaxDampingRatio);
   return band;
 }
 
@@ -101,7 +98,7 @@ void choose(const Identification& found, double tolerance, double tick_s, TunePr
   proposal.delay_s = choice.design().delay_ticks() * tick_s;
   proposal.length_s = choice.design().length_ticks() * tick_s;
   for (size_t k = 0; k < found.mode_count; ++k)
-    proposal.residual = larger(proposal.residual, choice.leaves(found.mode[k]) * found.mode[k].amplitude / sum);
+    proposal.residual = math::greater(proposal.residual, choice.leaves(found.mode[k]) * found.mode[k].amplitude / sum);
 }
 
 Status design_of(const TuneProposal& proposal, double tick_s, ShaperDesign& design, const Meanwhile& meanwhile) {

@@ -78,9 +78,6 @@ Status plan_move(AxisCore& axis, const TuneConfig& config, TunePlan& plan) {
   return between(Quantity::kTravel, distance, 0.0, config.travel_counts);
 }
 
-double larger(double a, double b) { return a > b ? a : b; }
-double smaller(double a, double b) { return a < b ? a : b; }
-
 // Up from home, or down where a soft limit is in the way; after the move from its target back, which keeps the travel.
 Status plan_bump(AxisCore& axis, const TuneConfig& config, Excitation& bump, TunePlan& plan) {
   const bool only = config.excitation == TuneExcitation::kBump;
@@ -108,11 +105,11 @@ Status plan_bump(AxisCore& axis, const TuneConfig& config, Excitation& bump, Tun
   plan.has_bump = true;
   plan.bump_forward = forward;
   Announcement& all = plan.announced;
-  all.travel = larger(all.travel, announced.travel);
-  all.velocity = larger(all.velocity, announced.velocity);
-  all.acceleration = larger(all.acceleration, announced.acceleration);
-  all.jerk = larger(all.jerk, announced.jerk);
-  all.duration_s = larger(all.duration_s, announced.duration_s);
+  all.travel = math::greater(all.travel, announced.travel);
+  all.velocity = math::greater(all.velocity, announced.velocity);
+  all.acceleration = math::greater(all.acceleration, announced.acceleration);
+  all.jerk = math::greater(all.jerk, announced.jerk);
+  all.duration_s = math::greater(all.duration_s, announced.duration_s);
   return kOk;
 }
 
@@ -139,7 +136,7 @@ Status prepare_bump(const AxisCore& axis, const TuneConfig& config, Excitation& 
   wanted.amplitude = config.amplitude_counts;
   wanted.travel = config.travel_counts;
   wanted.velocity = limits.velocity;
-  wanted.acceleration = smaller(limits.acceleration, limits.deceleration);
+  wanted.acceleration = math::lesser(limits.acceleration, limits.deceleration);
   wanted.jerk = limits.jerk;
   wanted.low_hz = config.low_hz;
   wanted.high_hz = config.high_hz;

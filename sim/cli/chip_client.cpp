@@ -17,8 +17,6 @@ using firmware::Register;
 constexpr uint16_t kShutdown = 0x06;
 constexpr uint16_t kSwitchOn = 0x07;
 constexpr uint16_t kEnableOperation = 0x0F;
-constexpr uint16_t kStateMask = 0x6F;
-constexpr uint16_t kOperationEnabled = 0x27;
 constexpr uint16_t kApplyAtRest = 1;
 
 std::string hexadecimal(uint16_t value) { return fmt::format("{:04X}h", value); }
@@ -40,7 +38,7 @@ sim::Refusal cannot(const std::string& what, const std::string& value, const std
 
 void ChipClient::enable() {
   for (const uint16_t word : {kShutdown, kSwitchOn, kEnableOperation}) write(Register::kControlword, word);
-  wait("operation enabled", [this] { return (status() & kStateMask) == kOperationEnabled; });
+  wait("operation enabled", [this] { return is_enabled(); });
 }
 
 void ChipClient::set_shaper(const std::vector<ModeRegisters>& modes) {
@@ -88,8 +86,10 @@ MoveReport ChipClient::start(bool relative) {
   return report;
 }
 
-void ChipClient::finish() {
-  wait("the target reached", [this] { return (status() & firmware::kStatusTargetReached) != 0; });
+void ChipClient::finish(uint64_t ticks) {
+  wait(
+      "the target reached", [this] { return (status() & firmware::kStatusTargetReached) != 0; },
+      kPatienceTicks + ticks);
 }
 
 // The axis's own limits are the delivered ones; a simulated arm stands more.

@@ -23,12 +23,13 @@ class ChipClient {
   explicit ChipClient(sim::RegisterPort& port) : port_(port) {}
 
   void enable();
+  bool is_enabled() { return (status() & kStateMask) == kOperationEnabled; }
   void set_shaper(const std::vector<ModeRegisters>& modes);
   void set_move(const MoveRegisters& move);
   // Starts the move that is set; `relative`: its target counts from the one in force.
   MoveReport start(bool relative = false);
-  // Until the drive reports the target reached.
-  void finish();
+  // Until the drive reports the target reached, `ticks` of which the move itself may take.
+  void finish(uint64_t ticks = 0);
 
   uint16_t read(firmware::Register name) { return port_.read(firmware::address_of(name), 1)[0]; }
   uint32_t read32(firmware::Register name) { return port_.read32(firmware::address_of(name)); }
@@ -44,6 +45,9 @@ class ChipClient {
   [[noreturn]] void refuse_with_reason();
 
  private:
+  static constexpr uint16_t kStateMask = 0x6F;
+  static constexpr uint16_t kOperationEnabled = 0x27;
+
   uint16_t status() { return read(firmware::Register::kStatusword); }
   void raise_maximum(firmware::Register name, uint32_t wanted);
 

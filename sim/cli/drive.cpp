@@ -132,12 +132,10 @@ int move(const Call& call) {
   const std::string& text = relative ? call.options.by : call.options.target;
   const int64_t counts = sim::parse_integer(text, relative ? "--by" : "--target", INT32_MIN, INT32_MAX);
   ChipClient client(call.port);
-  if ((call.read(Register::kStatusword) & 0x6F) != 0x27) client.enable();
+  if (!client.is_enabled()) client.enable();
   call.port.write32(address_of(Register::kTargetPosition), static_cast<uint32_t>(counts));
   const MoveReport report = client.start(relative);
-  client.wait(
-      "the target reached", [&] { return (call.read(Register::kStatusword) & firmware::kStatusTargetReached) != 0; },
-      ChipClient::kPatienceTicks + report.total_ticks);
+  client.finish(report.total_ticks);
   const Json object = {{"result", "ok"},
                        {"profile_ticks", report.profile_ticks},
                        {"total_ticks", report.total_ticks},

@@ -69,18 +69,8 @@ void ModbusPort::write(uint16_t address, const std::vector<uint16_t>& values) {
 
 void ModbusPort::refuse(uint16_t address) const {
   const int error = errno;
-  const std::string name = fmt::format("{:04X}h", address);
-  if (is_exception(error)) {
-    throw sim::Refusal(sim::Refusal::Cause::kCannot, "register", name,
-                       fmt::format("the drive refused with Modbus exception {}, registers 0012h and 0013h name what "
-                                   "would be accepted",
-                                   error - MODBUS_ENOBASE),
-                       "client_refused");
-  }
-  throw sim::Refusal(
-      sim::Refusal::Cause::kCannot, "register", name,
-      fmt::format("no answer to {} requests ({}), a drive that answers is accepted", kAttempts, modbus_strerror(error)),
-      "client_silent");
+  if (is_exception(error)) throw sim::refused_register(address, error - MODBUS_ENOBASE);
+  throw sim::silent_register(address, kAttempts, modbus_strerror(error));
 }
 
 }  // namespace stillpoint::cli

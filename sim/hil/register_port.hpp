@@ -2,7 +2,10 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 #include <vector>
+
+#include "sim/refusal.hpp"
 
 namespace stillpoint::sim {
 
@@ -28,5 +31,10 @@ class RegisterPort {
     write(address, std::vector<uint16_t>{static_cast<uint16_t>(value >> 16), static_cast<uint16_t>(value)});
   }
 };
+
+// The drive has answered with a Modbus exception.
+Refusal refused_register(uint16_t address, int exception);
+// The last of so many requests went unanswered too. `why`: what the line says of it, or nothing.
+Refusal silent_register(uint16_t address, uint32_t requests, const std::string& why = {});
 
 }  // namespace stillpoint::sim

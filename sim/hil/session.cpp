@@ -1,22 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/hil/session.hpp"
 
-#include <cstdio>
-#include <string>
 #include <utility>
 
-#include "sim/refusal.hpp"
-
 namespace stillpoint::sim {
-namespace {
-
-std::string register_name(uint16_t address) {
-  char text[16];
-  std::snprintf(text, sizeof text, "%04Xh", address);
-  return text;
-}
-
-}  // namespace
 
 Session::Session(Lock& lock, hal::ServoPort& drive, OnTick on_tick, uint8_t unit)
     : lock_(lock), drive_(drive), on_tick_(std::move(on_tick)), client_(lock.client(), unit) {}
@@ -53,18 +40,13 @@ ModbusAnswer Session::ask(uint16_t address) {
   for (uint32_t attempt = 1; attempt <= kAttempts; ++attempt) {
     if (const auto answer = wait_for_answer()) {
       if (answer->exception == 0) return *answer;
-      throw Refusal(Refusal::Cause::kCannot, "register", register_name(address),
-                    "the firmware refused with Modbus exception " + std::to_string(answer->exception) +
-                        ", registers 0012h and 0013h name what would be accepted",
-                    "client_refused");
+      throw refused_register(address, answer->exception);
     }
     client_.repeat();
     ++repeated_;
   }
   client_.give_up();
-  throw Refusal(Refusal::Cause::kCannot, "register", register_name(address),
-                "no answer to " + std::to_string(kAttempts) + " requests, a firmware that answers is accepted",
-                "client_silent");
+  throw silent_register(address, kAttempts);
 }
 
 }  // namespace stillpoint::sim
