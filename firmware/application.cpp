@@ -14,6 +14,7 @@ void Application::begin(AxisCore& axis, const Ports& ports) {
   faults_.begin(ports.faults);
   if (ports.tune != nullptr) tuner_.begin(axis, *ports.tune);
   tuning_.begin({&axis, ports.tune != nullptr ? &tuner_ : nullptr, &drive_, &shaper_, &parameters_});
+  if (ports.tune != nullptr) tracking_.begin({&axis, &tuner_, &drive_, &shaper_, &tuning_, &parameters_});
   const RegisterBank::Parts parts = {&axis,        &loop_,   &drive_,  &shaper_, &tuning_,
                                      &parameters_, &faults_, &stream_, &keeper_};
   registers_.begin(parts);
@@ -45,6 +46,7 @@ void Application::poll() {
   shaper_.service();
   tuning_.service(load(uptime_ms_), Meanwhile{serve_meanwhile, this});
   drive_.take_set_point(shaper_.waiting());
+  if (!keeper_.busy()) tracking_.service(Meanwhile{serve_meanwhile, this});
 }
 
 void Application::serve() {
@@ -55,6 +57,7 @@ void Application::serve() {
   drive_.set_tuning(tuning_.busy());
   drive_.service();
   tuning_.keep_watch();
+  tracking_.keep_watch(keeper_.busy());
   faults_.follow(drive_.loop(), uptime_ms);
   if (client_.poll(now)) {
     loop_.note_client();

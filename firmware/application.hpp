@@ -9,6 +9,7 @@
 #include "firmware/fault_log.hpp"
 #include "firmware/modbus_rtu.hpp"
 #include "firmware/modbus_server.hpp"
+#include "firmware/mode_tracking.hpp"
 #include "firmware/parameter_keeper.hpp"
 #include "firmware/parameters.hpp"
 #include "firmware/position_stream.hpp"
@@ -83,6 +84,7 @@ class Application {
   ShaperSettings shaper_ = {};
   AutoTune tuner_ = {};
   TuneSettings tuning_ = {};
+  ModeTracking tracking_ = {};
   Parameters parameters_ = {};
   FaultLog faults_ = {};
   PositionStream stream_ = {};

@@ -56,6 +56,12 @@ class Drive {
   // 0, or the reason (0012) why the axis cannot be lent to anybody now.
   uint16_t reason_not_free() const;
 
+  // Something waits for take_set_point.
+  bool is_asked() const {
+    return set_point_waits_ || (buffered_ && standing_) ||
+           (velocity_waits_ && mode_ == OperationMode::kProfileVelocity);
+  }
+
   // Operation enabled, and nothing asks for anything else.
   bool may_move() const;
 

@@ -113,6 +113,12 @@ constexpr Entry found(uint32_t index, uint32_t offset) {
   }
 }
 
+constexpr Entry tracked(uint32_t index, uint32_t offset) {
+  const R name = tracked_register(index, offset);
+  return offset == 0 ? shown(name, T::kU32, 0, 0, "tracked mode: frequency (0: none)", "1e-4 Hz")
+                     : shown(name, T::kU16, 0, 0, "tracked mode: damping ratio", "1e-5");
+}
+
 // clang-format off
 constexpr Entry kTable[kParameterCount] = {
     shown(R::kMapVersion, T::kU16, 0, kMapVersion, "map version"),
@@ -241,6 +247,14 @@ constexpr Entry kTable[kParameterCount] = {
     // Raw, what it reads at its ends. Low at or above high: it has none.
     value(R::kTuneSensorLowest, T::kI32, 0, kI32Min, kI32Max, 0, "auto-tune: accelerometer's least", ""),
     value(R::kTuneSensorHighest, T::kI32, 0, kI32Min, kI32Max, 0, "auto-tune: accelerometer's most", ""),
+
+    value(R::kTracking, T::kU16, 0, 0, 2, 0, "tracking after each move: 0 off, 1 show, 2 show and apply", ""),
+    shown(R::kTrackingRefusal, T::kU16, 0, 0, "tracking: refusal reason of the last set applied"),
+    shown(R::kTrackingUsed, T::kU32, 0, 0, "tracking: records that moved a mode"),
+    shown(R::kTrackingLeftOut, T::kU32, 0, 0, "tracking: modes left out as outliers"),
+    shown(R::kTrackingUnheard, T::kU32, 0, 0, "tracking: records that told nothing"),
+    tracked(0, 0), tracked(0, kTrackedDamping), tracked(1, 0), tracked(1, kTrackedDamping),
+    tracked(2, 0), tracked(2, kTrackedDamping), tracked(3, 0), tracked(3, kTrackedDamping),
 };
 // clang-format on
 

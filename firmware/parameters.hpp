@@ -49,7 +49,7 @@ struct Parameter {
   constexpr bool writable() const { return access != Access::kRead; }
 };
 
-constexpr size_t kParameterCount = 155;
+constexpr size_t kParameterCount = 168;
 constexpr size_t kNoParameter = kParameterCount;
 
 // What people are told of one.

@@ -16,6 +16,10 @@ constexpr uint32_t register_floor(double value) {
   return nudged >= static_cast<double>(UINT32_MAX) ? UINT32_MAX : static_cast<uint32_t>(nudged);
 }
 
+[[gnu::noinline]] inline uint32_t register_nearest(double value, double per_unit) {
+  return register_floor(value * per_unit + 0.5);
+}
+
 constexpr uint32_t register_ceiling(double value) {
   if (!(value > kRegisterSlack)) return 0;
   const uint32_t below = register_floor(value);

@@ -111,6 +111,12 @@ enum class Register : uint16_t {
   kTuneLeadMs = 0x0249,
   kTuneSensorLowest = 0x024A,
   kTuneSensorHighest = 0x024C,
+  kTracking = 0x0250,
+  kTrackingRefusal = 0x0251,
+  kTrackingUsed = 0x0252,
+  kTrackingLeftOut = 0x0254,
+  kTrackingUnheard = 0x0256,
+  kFirstTrackedMode = 0x0260,
 };
 
 constexpr Register kNoRegister = Register::kMapVersion;  // never written, so never the cause or the limit of anything
@@ -158,6 +164,17 @@ constexpr Register found_register(uint32_t mode, FoundField field) {
   return static_cast<Register>(address_of(Register::kFirstFoundMode) + kModeStride * mode +
                                static_cast<uint32_t>(field));
 }
+
+// The modes that are followed, from kFirstTrackedMode on, kTrackedStride registers each: frequency, damping ratio.
+constexpr uint32_t kTrackedStride = 4;
+constexpr uint32_t kTrackedDamping = 2;
+
+constexpr Register tracked_register(uint32_t mode, uint32_t offset) {
+  return static_cast<Register>(address_of(Register::kFirstTrackedMode) + kTrackedStride * mode + offset);
+}
+
+// 0250.
+enum class Tracking : uint16_t { kOff, kShow, kApply };
 
 enum class TuneCommand : uint16_t { kStart = 1, kAbort = 2, kAccept = 3, kUndo = 4 };
 

@@ -17,19 +17,22 @@ constexpr double kSpacingPerPeriod = 1e4;
 constexpr double kResidualPerOne = 1e4;
 constexpr double kUsPerSecond = 1e6;
 
+Mode mode_of(const uint32_t (&fields)[5]) {
+  return {fields[kFrequency] / kFrequencyPerHz, fields[kDamping] / kDampingPerOne};
+}
+
 // Register values are ShaperKind's. A train of the client's own has no registers to come through.
 ShaperSpec spec_of(const uint32_t (&fields)[5]) {
-  const Mode mode{fields[kFrequency] / kFrequencyPerHz, fields[kDamping] / kDampingPerOne};
-  return {static_cast<ShaperKind>(fields[kKind]), mode, fields[kTolerance] / kTolerancePerOne,
+  return {static_cast<ShaperKind>(fields[kKind]), mode_of(fields), fields[kTolerance] / kTolerancePerOne,
           fields[kSpacing] / kSpacingPerPeriod, nullptr};
 }
 
 void write_fields(const ShaperSpec& spec, uint32_t (&fields)[5]) {
-  fields[kFrequency] = register_floor(spec.mode.frequency_hz * kFrequencyPerHz + 0.5);
-  fields[kDamping] = register_floor(spec.mode.damping_ratio * kDampingPerOne + 0.5);
-  fields[kTolerance] = register_floor(spec.tolerance * kTolerancePerOne + 0.5);
+  fields[kFrequency] = register_nearest(spec.mode.frequency_hz, kFrequencyPerHz);
+  fields[kDamping] = register_nearest(spec.mode.damping_ratio, kDampingPerOne);
+  fields[kTolerance] = register_nearest(spec.tolerance, kTolerancePerOne);
   fields[kKind] = static_cast<uint32_t>(spec.kind);
-  fields[kSpacing] = register_floor(spec.spacing * kSpacingPerPeriod + 0.5);
+  fields[kSpacing] = register_nearest(spec.spacing, kSpacingPerPeriod);
 }
 
 }  // namespace
@@ -71,13 +74,49 @@ void ShaperSettings::stage(uint32_t set, Register name, uint32_t value) {
 }
 
 void ShaperSettings::request_apply(Retune when) {
+  following_ = false;
+  request(shown_, read_staged(), when);
+}
+
+void ShaperSettings::request(uint32_t set, const Staged& staged, Retune when) {
   designing_ = false;
   apply_requested_ = true;
-  requested_set_ = shown_;
-  requested_ = read_staged();
+  requested_set_ = set;
+  requested_ = staged;
   requested_when_ = when;
   parameters_->set(Register::kShaperState, static_cast<uint32_t>(ShaperState::kPending));
   parameters_->set(Register::kShaperRefusal, 0);
+}
+
+uint32_t ShaperSettings::modes_in_force(Mode* modes) const {
+  const Staged& made_for = sets_[set_in_force_].in_force;
+  for (uint32_t k = 0; k < made_for.count; ++k) modes[k] = mode_of(made_for.fields[k]);
+  return made_for.count;
+}
+
+void ShaperSettings::follow(const Mode* modes, double worthwhile) {
+  const Set& set = sets_[set_in_force_];
+  Staged staged = shown_ == set_in_force_ ? read_staged() : set.staged;
+  if (waiting() || !same(staged, set.in_force)) return;
+  for (uint32_t k = 0; k < staged.count; ++k) {
+    staged.fields[k][kFrequency] = register_nearest(modes[k].frequency_hz, kFrequencyPerHz);
+    staged.fields[k][kDamping] = register_nearest(modes[k].damping_ratio, kDampingPerOne);
+  }
+  const ShaperDesign active = axis_->shaper();
+  if (worst_residual(active, staged) - worst_residual(active, set.in_force) <= worthwhile) return;
+  following_ = true;
+  stage_set(set_in_force_, staged);
+  request(set_in_force_, staged, Retune::kAtRest);
+}
+
+void ShaperSettings::note_change() {
+  ++changes_;
+  parameters_->set(Register::kTrackingRefusal, 0);
+}
+
+void ShaperSettings::stage_set(uint32_t set, const Staged& staged) {
+  sets_[set].staged = staged;
+  if (shown_ == set) write_staged(staged);
 }
 
 void ShaperSettings::discard() {
@@ -140,6 +179,8 @@ void ShaperSettings::hand_over() {
 void ShaperSettings::finish() {
   waiting_ = false;
   adopted_ = false;
+  if (!following_) note_change();
+  following_ = false;
   set_in_force_ = wanted_set_;
   sets_[wanted_set_].in_force = sets_[wanted_set_].designed;
   show_in_force();
@@ -164,8 +205,8 @@ void ShaperSettings::take_over(const Staged& staged) {
   Set& set = sets_[set_in_force_];
   set.designed = staged;
   set.in_force = staged;
-  set.staged = staged;
-  if (shown_ == set_in_force_) write_staged(staged);
+  stage_set(set_in_force_, staged);
+  note_change();
   (void)prepared_.store(set_in_force_, axis_->shaper());
   show_in_force();
 }
@@ -173,16 +214,16 @@ void ShaperSettings::take_over(const Staged& staged) {
 void ShaperSettings::show_in_force() {
   const ShaperDesign active = axis_->shaper();
   const ShaperState state = active.stage_count == 0 ? ShaperState::kOff : ShaperState::kActive;
-  const double delay_us = active.delay_ticks() * axis_->config().tick_s * kUsPerSecond;
-  const uint32_t residual = register_floor(worst_residual(active) * kResidualPerOne + 0.5);
+  const double delay_s = active.delay_ticks() * axis_->config().tick_s;
+  const double worst = worst_residual(active, sets_[set_in_force_].in_force);
+  const uint32_t residual = register_nearest(worst, kResidualPerOne);
   parameters_->set(Register::kShaperState, static_cast<uint32_t>(state));
   parameters_->set(Register::kShaperRefusal, 0);
-  parameters_->set(Register::kActiveDelayUs, register_floor(delay_us + 0.5));
+  parameters_->set(Register::kActiveDelayUs, register_nearest(delay_s, kUsPerSecond));
   parameters_->set(Register::kPredictedResidual, residual < UINT16_MAX ? residual : UINT16_MAX);
 }
 
-double ShaperSettings::worst_residual(const ShaperDesign& active) const {
-  const Staged& modes = sets_[set_in_force_].in_force;
+double ShaperSettings::worst_residual(const ShaperDesign& active, const Staged& modes) const {
   const Cascade cascade = active.cascade();
   double worst = 0.0;
   for (uint32_t k = 0; k < modes.count; ++k) {
@@ -232,6 +273,12 @@ void ShaperSettings::refuse_length(const Status& status) {
 }
 
 void ShaperSettings::refuse(uint16_t reason, Register culprit, uint32_t accepted) {
+  if (following_) {
+    following_ = false;
+    parameters_->set(Register::kTrackingRefusal, reason);
+    stage_set(set_in_force_, sets_[set_in_force_].in_force);
+    return show_in_force();
+  }
   parameters_->set(Register::kShaperState, static_cast<uint32_t>(ShaperState::kRefused));
   parameters_->set(Register::kShaperRefusal, reason);
   parameters_->note_refusal(reason, address_of(culprit), accepted);

@@ -49,6 +49,18 @@ class ShaperSettings {
   // The shaper before `adopt` runs again, and the set is as it was when it was in force.
   void give_back();
 
+  // The modes that what is in force was made for; at most kMaxModes, and how many.
+  uint32_t modes_in_force(Mode* modes) const;
+
+  // These, as many, in place of them: staged in the same set, and applied at rest. Nothing happens where what is in
+  // force leaves at the worst of them at most `worthwhile` more than at the worst of its own, while an apply is under
+  // way, or where the client has something else staged in the set. Where the design is refused the set is as it was,
+  // staged and in 0131 on, and 0251 says why.
+  void follow(const Mode* modes, double worthwhile);
+
+  // Goes up when something comes into force otherwise than by `follow`.
+  uint32_t changes() const { return changes_; }
+
   // Registers 0131 to 0136 from what runs, which somebody else may have changed.
   void show_in_force();
 
@@ -71,6 +83,9 @@ class ShaperSettings {
   };
 
   void take_over(const Staged& staged);
+  void note_change();
+  void stage_set(uint32_t set, const Staged& staged);
+  void request(uint32_t set, const Staged& staged, Retune when);
   struct Place {
     uint32_t mode;
     uint32_t field;  // kFieldCount: the number of modes
@@ -84,7 +99,7 @@ class ShaperSettings {
   bool prepare(uint32_t set, const Staged& staged);
   void hand_over();
   void finish();
-  double worst_residual(const ShaperDesign& active) const;
+  double worst_residual(const ShaperDesign& active, const Staged& modes) const;
   void refuse_design(const Status& status, uint32_t mode);
   void refuse_length(const Status& status);
   void refuse(uint16_t reason, Register culprit, uint32_t accepted);
@@ -101,6 +116,8 @@ class ShaperSettings {
   Retune requested_when_ = Retune::kAtRest;
   bool designing_ = false;
   bool waiting_ = false;
+  bool following_ = false;  // the newest apply is `follow`'s
+  uint32_t changes_ = 0;
   uint32_t wanted_set_ = 0;
   Retune when_ = Retune::kAtRest;
 

@@ -167,7 +167,7 @@ void TuneSettings::finish(const TuneReport& report) {
 // Saturates at what the register holds.
 void TuneSettings::set(Register name, double value) {
   const uint32_t most = kParameters[find_parameter(address_of(name))].words() == 2 ? UINT32_MAX : UINT16_MAX;
-  const uint32_t whole = register_floor(value + 0.5);
+  const uint32_t whole = register_nearest(value, 1.0);
   parts_.parameters->set(name, whole < most ? whole : most);
 }
 

@@ -141,6 +141,7 @@ Candidates find_candidates(const Record& record, const DecayModel& model, const 
       }
     }
     meanwhile();
+    if (meanwhile.is_given_up()) return {};
   }
   return best;
 }

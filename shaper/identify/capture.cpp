@@ -101,7 +101,10 @@ Record Capture::record(double scale) {
   }
   for (size_t n = 0; n < count; ++n)
     memory_[n].number = static_cast<float>(static_cast<double>(memory_[n].raw) * scale);
-  return {&memory_[0].number, count};
+  // One that was finished holds as many older than the pre-trigger as are still wanted.
+  const size_t asked = samples_ - wanted_;
+  const size_t first = count > asked ? count - asked : 0;
+  return {&memory_[first].number, count - first};
 }
 
 void Capture::trigger() {
@@ -111,6 +114,10 @@ void Capture::trigger() {
   } else if (now == CaptureState::kWaiting) {
     store(triggered_, 1);
   }
+}
+
+void Capture::finish() {
+  if (load(state_) == as_word(CaptureState::kRunning)) store(state_, as_word(CaptureState::kFull));
 }
 
 void Capture::tick(const int32_t* values, bool fresh) {

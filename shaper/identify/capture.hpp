@@ -59,7 +59,8 @@ class Capture {
   int32_t value(uint32_t channel, uint32_t n) const;
 
   // Background, once full, of a capture of one channel: the record, oldest first, times `scale`, in place of the
-  // samples. Empty when not full. After it `value` says nothing more.
+  // samples; of one that was finished, what there is from the pre-trigger on. Empty when not full. After it `value`
+  // says nothing more.
   Record record(double scale);
 
   // By hand, or by the tick that sees what to trigger on.
@@ -68,6 +69,9 @@ class Capture {
   // Tick: one value a channel. `fresh` false: nothing new came, the values are not looked at. No division, no floating
   // point; cost a dozen instructions a channel.
   void tick(const int32_t* values, bool fresh);
+
+  // Tick: no more is to come; what runs is full with what it has.
+  void finish();
 
  private:
   void store_sample();

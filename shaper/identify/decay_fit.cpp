@@ -45,7 +45,7 @@ void DecayFit::pass(const Record& record, const DecayModel& model, const DecayMo
   for (size_t k = 0; k < components; ++k) {
     rotor[k] = Rotor({-model.component[k].decay * step, model.component[k].angle * step});
   }
-  for (size_t n = 0; n < record.count; ++n) {
+  for (size_t n = 0; n < record.count && !meanwhile.is_given_up(); ++n) {
     const double x = static_cast<double>(n) * step;
     triangle_.next(0) = 1.0;
     triangle_.next(1) = x - 0.5;
@@ -141,6 +141,7 @@ bool DecayFit::refine(const Record& record, DecayModel& model, const DecayModel*
   Step step;
   step.take(*this, model);
   for (int passes = 1; passes < kMostPasses; ++passes) {
+    if (meanwhile.is_given_up()) return false;
     if (step.gain() <= kDone * left / freedom || step.gain() <= kExact * energy) return true;
     double change[kParameters];
     step.solve(damping, change);

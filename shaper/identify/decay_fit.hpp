@@ -20,12 +20,14 @@ struct ComponentCovariance {
 class DecayFit {
  public:
   // Offset, drift, and the amplitudes of `model` for its decays and angles; `others`, if any, is taken off the record
-  // first. One pass over the record: (4 K + 3)^2 * 2 multiplications and additions a sample for K components.
+  // first, unless it is given up. One pass over the record: (4 K + 3)^2 * 2 multiplications and additions a sample for
+  // K components.
   void solve_linear(const Record& record, DecayModel& model, const DecayModel* others = nullptr,
                     const Meanwhile& meanwhile = {});
 
   // Moves decays and angles from where they are to the nearest least sum of squares. At most kMostPasses passes. False,
-  // with `model` where it got to, when that was not enough. Needs more samples than parameters (4 K + 2).
+  // with `model` where it got to, when that was not enough or it is given up. Needs more samples than parameters
+  // (4 K + 2).
   // Decays stay in [-1, angle], angles in [pi, pi (count - 1)].
   // Method: variable projection (Golub and Pereyra 1973, Kaufman 1975): the amplitudes are eliminated by the triangle,
   // the rest is Levenberg-Marquardt. The derivatives of a component span x exp(-decay x) {cos, sin}(angle x), whatever

@@ -100,6 +100,7 @@ class Builder {
         if (attempts_ >= kMostAttempts || refused_.count >= Refused::kMost) break;
       }
     }
+    if (meanwhile_.is_given_up()) return result_;
     scratch_.fit.solve_linear(record_, result_.model, nullptr, meanwhile_);
     judge(result_.model, result_.doubt);
     result_.variance =

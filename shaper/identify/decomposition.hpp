@@ -53,6 +53,7 @@ constexpr double kLeastEvidence = 40.0;
 // from the noise between the peaks and can be told from the others. Method: CLEAN with a joint fit each time.
 // The noise that doubts are reckoned with is what is left around the component, not the mean over all frequencies: for
 // a narrow component, least squares in coloured noise errs as in white noise of that density.
+// Given up, it means nothing.
 Decomposition decompose(const Record& record, IdentifyScratch& scratch, const Meanwhile& meanwhile);
 
 }  // namespace stillpoint

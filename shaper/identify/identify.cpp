@@ -199,7 +199,12 @@ Status identify(const Record& record, const IdentifyConfig& config, IdentifyScra
     return kOk;
   }
   const Decomposition parts = decompose(record, scratch, meanwhile);
-  Report(record, config, parts, scratch, meanwhile).write(result);
+  if (!meanwhile.is_given_up()) Report(record, config, parts, scratch, meanwhile).write(result);
+  if (meanwhile.is_given_up()) {
+    result = Identification{};
+    result.finding = Finding::kAborted;
+    return kOk;
+  }
   if ((!config.ends_known && is_saturated(record)) ||
       (result.finding == Finding::kFound && is_flattened(record, result.model))) {
     result.finding = Finding::kSaturated;

@@ -17,8 +17,6 @@ constexpr double kFades = 2.302585 / (2.0 * math::kPi);  // to that, in periods 
 constexpr double kLeastDecay = kFades / 60.0;            // frequency times damping: a minute is waited at most
 constexpr double kLeastAmplitude = 0.002;                // of a mode over the strongest one's
 constexpr uint32_t kMadeUpTicks = 4;                     // of the bump's stream; the tick misses none
-constexpr int kErrorFractionBits = 16;
-constexpr double kCountsPerError = 1.0 / (1 << kErrorFractionBits);
 
 Status busy_now() { return refuse(Error::kBusy, Quantity::kNone, 0.0); }
 
@@ -59,8 +57,13 @@ Status AutoTune::start(const TuneConfig& config, Announcement* announced) {
   if (axis_->lend_memory(doubles) == nullptr) return refuse(Error::kNotAvailable, Quantity::kNone, 0.0);
   axis_->take_memory_back();
   TunePlan plan{};
+  stop_following();
+  memory_->claim(MemoryHolder::kTuning);
   const Status status = plan_tuning(*axis_, config, TuneMemory::kSamples, doubles, memory_->bump, plan);
-  if (!status.ok()) return status;
+  if (!status.ok()) {
+    memory_->release(MemoryHolder::kTuning);
+    return status;
+  }
   config_ = config;
   plan_ = plan;
   before_ = axis_->shaper();
@@ -96,6 +99,8 @@ Status AutoTune::accept() {
 Status AutoTune::undo() {
   const bool may = report_.state == TuneState::kProposed || report_.state == TuneState::kKept;
   if (!may || step_ != Step::kNone || abort_asked_) return busy_now();
+  stop_following();
+  memory_->claim(MemoryHolder::kTuning);
   end(TuneState::kUndone);
   return kOk;
 }
@@ -119,6 +124,7 @@ void AutoTune::service(const Meanwhile& meanwhile) {
   }
   take_step(meanwhile);
   report_.progress_percent = progress_percent();
+  if (!busy()) memory_->release(MemoryHolder::kTuning);
   working_ = false;
 }
 
@@ -236,13 +242,17 @@ void AutoTune::listen() {
   }
 }
 
+bool AutoTune::is_flawed(const CaptureFlaws& flaws) const {
+  const double ticks = static_cast<double>(capture_.samples()) * plan_.listen.decimation;
+  return flaws.saturated != 0 || flaws.gaps > kMostGaps * ticks;
+}
+
 // True where there is no use in looking at it.
 bool AutoTune::record_is_flawed() {
   CaptureFlaws flaws = capture_.flaws();
   flaws.saturated = load(clipped_);
   if (!verifying_) report_.flaws = flaws;
-  const double ticks = static_cast<double>(capture_.samples()) * plan_.listen.decimation;
-  if (flaws.saturated == 0 && flaws.gaps <= kMostGaps * ticks) return false;
+  if (!is_flawed(flaws)) return false;
   give_up_record(flaws.saturated != 0 ? Finding::kSaturated : Finding::kNoisy);
   return true;
 }
@@ -415,12 +425,14 @@ void AutoTune::tick(const TuneSample& sample) {
   if (axis_ == nullptr) return;
   const AxisPhase phase = axis_->state().phase;
   if (phase == AxisPhase::kStopping) store(stopped_, 1);
-  if (load(listens_) == 0) return;
+  if (load(listens_) == 0 || memory_->held_by(MemoryHolder::kScope)) return;
   if (phase == AxisPhase::kStreaming && load(bump_) == kBumps) {
     const Signal offset = memory_->bump.tick();
     axis_->stream(plan_.bump_forward ? expected_ + offset : expected_ - offset);
     if (memory_->bump.over()) store(bump_, kBumpOver);
   }
+  if (phase != AxisPhase::kAtRest) capture_.finish();
+  if (capture_.state() == CaptureState::kFull) return;
   if (watch_.tick(phase == AxisPhase::kAtRest, sample.position, sample.fresh)) capture_.trigger();
   // Not while it moves: a gap or a value at the sensor's end is no flaw of the record then.
   if (!watch_.is_after_motion()) return choose_source();

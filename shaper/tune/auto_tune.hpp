@@ -7,6 +7,7 @@
 
 #include "shaper/axis/axis_core.hpp"
 #include "shaper/base/meanwhile.hpp"
+#include "shaper/base/shared.hpp"
 #include "shaper/identify/capture.hpp"
 #include "shaper/identify/excitation.hpp"
 #include "shaper/identify/identify.hpp"
@@ -60,6 +61,9 @@ struct TuneSample {
   bool fresh;  // position and acceleration are new
 };
 
+// Who has the record, in rising order: a claim takes it from those below, who see that and give up.
+enum class MemoryHolder : uint32_t { kNobody, kTracking, kScope, kTuning };
+
 // Memory. The record and the fit are the tuner's own; the transforms borrow the axis's spare shaper (lend_memory),
 // which no one needs while a record is looked at. 8 + 5.3 + 16 KB.
 struct TuneMemory {
@@ -69,6 +73,19 @@ struct TuneMemory {
     Excitation bump;  // while it moves nothing is recorded
   };
   DecayFit fit;
+  uint32_t holder;  // MemoryHolder; the background's, and read by the tick
+
+  // Background. False where somebody above has it.
+  bool claim(MemoryHolder who) {
+    if (holder > static_cast<uint32_t>(who)) return false;
+    store(holder, static_cast<uint32_t>(who));
+    return true;
+  }
+  void release(MemoryHolder who) {
+    if (held_by(who)) store(holder, static_cast<uint32_t>(MemoryHolder::kNobody));
+  }
+  // Either context.
+  bool held_by(MemoryHolder who) const { return load(holder) == static_cast<uint32_t>(who); }
 };
 
 // Owns the axis while `busy`: whoever commands it besides gets kBusy, or aborts the tuning first. A stop, or a reset
@@ -109,11 +126,27 @@ class AutoTune {
   bool busy() const;
   const TuneReport& report() const { return report_; }
 
+  // --- what other moves leave (follow_moves.cpp) ------------------------------------------------------------------
+
+  // While the tuner is not busy: waits for a motion and for the rest after it, records until the record is full or the
+  // axis moves again, and is done. A tuning, or a scope that claims the memory, ends it. Nothing happens where somebody
+  // else has the memory. Source and sensor's ends as in TuneConfig; `listen` as plan_listening makes it, with a
+  // tolerance.
+  void follow(TuneSource source, int32_t lowest, int32_t highest, const ListenPlan& listen);
+  void stop_following();
+  // kIdle where it does not follow, kFull with a record.
+  CaptureState following() const;
+  // Once full: what the record says. kAborted where it was given up, or the spare shaper's memory is not to be had: ask
+  // again. kTooShort below `least` samples, kSaturated, kNoisy with gaps in more than 1 % of its ticks.
+  Identification look_at_followed(uint32_t least, const Meanwhile& meanwhile);
+
   // --- tick -------------------------------------------------------------------------------------------------------
 
   void tick(const TuneSample& sample);
 
  private:
+  static constexpr int kErrorFractionBits = 16;
+  static constexpr double kCountsPerError = 1.0 / (1 << kErrorFractionBits);
   enum : uint32_t { kNoBump, kBumps, kBumpOver };
   enum class Step : uint8_t { kNone, kUnshape, kMove, kListen, kLook, kApply, kRestore };
 
@@ -138,6 +171,7 @@ class AutoTune {
   void apply(const Meanwhile& meanwhile);
   void put_back();
   void stop_listening();
+  bool is_flawed(const CaptureFlaws& flaws) const;
   void end(TuneState state);
   void fail(Finding finding);
   void refused(const Status& status);
@@ -172,6 +206,7 @@ class AutoTune {
   uint32_t stopped_ = 0;      // a quick stop was seen
   RestWatch watch_;
   Capture capture_;
+  Record followed_ = {};  // once it has been taken from the capture
   // The tick's own.
   bool has_first_ = false;
   int32_t first_ = 0;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Modes that change slowly, followed from one move's ringing to the next. Background; doubles.
+// Modes that change slowly, followed from one move's ringing to the next. Background; single precision, 1e-7 of which
+// no record tells.
 #pragma once
 
 #include <stddef.h>
@@ -16,13 +17,13 @@ namespace stillpoint {
 // the bounds around where it began. Zero-initialised it is off and has no modes.
 class ModeTracker {
  public:
-  static constexpr double kLeastGain = 0.02;
-  static constexpr double kMostGain = 0.5;
-  static constexpr double kOutlier = 4.0;
-  static constexpr double kFrequencyBound = 0.2;  // of where it began, either way
-  static constexpr double kDampingBound = 0.8;
-  static constexpr double kFrequencyWalk = 2e-3;  // from one record to the next, standard deviation over the start
-  static constexpr double kDampingWalk = 0.05;
+  static constexpr float kLeastGain = 0.02F;
+  static constexpr float kMostGain = 0.5F;
+  static constexpr float kOutlier = 4.0F;
+  static constexpr float kFrequencyBound = 0.2F;  // of where it began, either way
+  static constexpr float kDampingBound = 0.8F;
+  static constexpr float kFrequencyWalk = 2e-3F;  // from one record to the next, standard deviation over the start
+  static constexpr float kDampingWalk = 0.05F;
   static constexpr double kLeastConfidence = 0.5;  // of a mode that says anything
 
   // `count` valid modes at most kMostComponents, rising or not; those beyond are not followed. Off until `enable`.
@@ -34,20 +35,21 @@ class ModeTracker {
   bool follow(const Identification& found);
 
   size_t count() const { return count_; }
-  Mode mode(size_t k) const { return {state_[k].frequency.value, state_[k].damping.value}; }
+  Mode mode(size_t k) const {
+    return {static_cast<double>(state_[k].frequency.value), static_cast<double>(state_[k].damping.value)};
+  }
   size_t left_out() const { return left_out_; }  // outliers, since `begin`
 
  private:
   struct Estimate {
-    double value;
-    double variance;
-    double walk;  // variance a record
-    double low;
-    double high;
+    float value;
+    float variance;
+    float began_at;
 
-    void begin(double at, double walk_std, double bound);
-    bool is_outlier(double measured, double variance_of_it) const;
-    void move(double measured, double variance_of_it);
+    void begin(double at, float part);
+    bool is_outlier(float measured, float variance_of_it, float part) const;
+    void move(float measured, float variance_of_it, float part, float bound);
+    void forget(float part);
   };
   struct Tracked {
     Estimate frequency;

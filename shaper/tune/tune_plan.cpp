@@ -36,18 +36,19 @@ Status check_choices(const TuneConfig& config) {
   return between(Quantity::kTolerance, config.tolerance, kMinTolerance, kMaxTolerance);
 }
 
-// The least decimation whose record holds enough periods, as far as the high end lets it.
-Status plan_listening(const TuneConfig& config, double tick_s, uint32_t samples, ListenPlan& listen) {
-  Status status = check_positive(Quantity::kFrequency, config.low_hz);
-  if (status.ok()) status = between(Quantity::kFrequency, config.high_hz, config.low_hz, kHighestOfRate / tick_s);
+}  // namespace
+
+Status plan_listening(double low_hz, double high_hz, double tick_s, uint32_t samples, ListenPlan& listen) {
+  Status status = check_positive(Quantity::kFrequency, low_hz);
+  if (status.ok()) status = between(Quantity::kFrequency, high_hz, low_hz, kHighestOfRate / tick_s);
   if (!status.ok()) return status;
   const double record_s = samples * tick_s;
   uint32_t decimation = 1;
-  while (record_s * decimation * config.low_hz < kWantedPeriods && decimation < kMostDecimation &&
-         config.high_hz * tick_s * 2.0 * decimation <= kHighestOfRate)
+  while (record_s * decimation * low_hz < kWantedPeriods && decimation < kMostDecimation &&
+         high_hz * tick_s * 2.0 * decimation <= kHighestOfRate)
     decimation *= 2;
-  if (record_s * decimation * config.low_hz < kLeastPeriods)
-    return refuse(Error::kBelowMinimum, Quantity::kFrequency, config.low_hz, kLeastPeriods / (record_s * decimation));
+  if (record_s * decimation * low_hz < kLeastPeriods)
+    return refuse(Error::kBelowMinimum, Quantity::kFrequency, low_hz, kLeastPeriods / (record_s * decimation));
   listen.rate_hz = 1.0 / (tick_s * decimation);
   const double window = kWindow / tick_s;
   const uint32_t most = samples / 2 * decimation;
@@ -58,6 +59,8 @@ Status plan_listening(const TuneConfig& config, double tick_s, uint32_t samples,
   listen.pre_trigger = (listen.window_ticks - kSensorLag) / decimation - (decimation > 1 ? 1 : 0);
   return kOk;
 }
+
+namespace {
 
 Status plan_move(AxisCore& axis, const TuneConfig& config, TunePlan& plan) {
   const Signal from = axis.state().setpoint;
@@ -155,7 +158,8 @@ Status plan_tuning(AxisCore& axis, const TuneConfig& config, size_t samples, siz
   TunePlan result{};
   Status status = check_choices(config);
   if (status.ok()) status = check_positive(Quantity::kTravel, config.travel_counts);
-  if (status.ok()) status = plan_listening(config, tick_s, static_cast<uint32_t>(size), result.listen);
+  if (status.ok())
+    status = plan_listening(config.low_hz, config.high_hz, tick_s, static_cast<uint32_t>(size), result.listen);
   if (status.ok()) status = plan_excitation(axis, config, bump, result);
   if (!status.ok()) return status;
   const double still = kMovesStill * result.announced.velocity * result.listen.window_ticks * tick_s;

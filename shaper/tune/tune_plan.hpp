@@ -49,6 +49,10 @@ struct ListenPlan {
   Signal tolerance;         // of the encoder at rest, for the peak velocity announced
 };
 
+// Everything but `tolerance`: the least decimation whose record of `samples` holds four periods of `low_hz`, as far as
+// `high_hz` lets it. Refuses a band as plan_tuning does.
+Status plan_listening(double low_hz, double high_hz, double tick_s, uint32_t samples, ListenPlan& listen);
+
 // A tuning that was found to be possible.
 struct TunePlan {
   Announcement announced;  // the excitation; with kAuto the larger of move and bump in each

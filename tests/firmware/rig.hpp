@@ -99,7 +99,7 @@ struct Rig {
   Dog dog;
   firmware::FaultMemory faults = {};
 
-  TuneMemory tune_memory;
+  TuneMemory tune_memory = {};
 
   Rig() : Rig(servo) {}
   explicit Rig(hal::ServoPort& port) {

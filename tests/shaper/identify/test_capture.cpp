@@ -55,6 +55,30 @@ TEST(keeps_what_came_before_the_trigger) {
   for (uint32_t n = 0; n < 8; ++n) TEST_ASSERT_TRUE(record.samples[n] == static_cast<float>(18 + n));
 }
 
+// 16 samples, 3 of them before the trigger, and only 5 after it.
+TEST(one_that_is_finished_has_what_there_was_from_the_pre_trigger_on) {
+  constexpr uint32_t kBefore[] = {2, 3, 10, 40};
+  for (const uint32_t before : kBefore) {
+    TEST_INFO(before, before);
+    Rig rig;
+    CaptureConfig config;
+    config.pre_trigger = 3;
+    TEST_ASSERT_OK(rig.capture.start(config, rig.memory, kWords));
+    rig.tick(before);
+    rig.capture.finish();
+    TEST_ASSERT_EQUAL_ENUM(CaptureState::kWaiting, rig.capture.state());
+    rig.capture.trigger();
+    rig.tick(5);
+    rig.capture.finish();
+    TEST_ASSERT_EQUAL_ENUM(CaptureState::kFull, rig.capture.state());
+    rig.tick(9);
+    const Record record = rig.capture.record(1.0);
+    const uint32_t first = before < 3 ? 0 : before - 3;
+    TEST_ASSERT_EQUAL_UINT64(before + 5 - first, record.count);
+    for (uint32_t n = 0; n < record.count; ++n) TEST_ASSERT_TRUE(record.samples[n] == static_cast<float>(first + n));
+  }
+}
+
 TEST(a_trigger_before_the_pre_trigger_is_full_makes_the_record_shorter) {
   Rig rig;
   CaptureConfig config;
