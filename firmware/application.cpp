@@ -16,8 +16,9 @@ void Application::begin(AxisCore& axis, const Ports& ports) {
   tuning_.begin({&axis, ports.tune != nullptr ? &tuner_ : nullptr, &drive_, &shaper_, &parameters_});
   if (ports.tune != nullptr) tracking_.begin({&axis, &tuner_, &drive_, &shaper_, &tuning_, &parameters_});
   const RegisterBank::Parts parts = {&axis,        &loop_,   &drive_,  &shaper_, &tuning_,
-                                     &parameters_, &faults_, &stream_, &keeper_};
+                                     &parameters_, &faults_, &stream_, &scope_,  &keeper_};
   registers_.begin(parts);
+  scope_.begin(ports.tune, parameters_, registers_.ticks_per_second());
   keeper_.begin(parts, registers_, ports.memory, ports.restart);
   client_.begin(*ports.client, static_cast<uint8_t>(parameters_.get(Register::kUnitId)));
   server_.begin(registers_);
@@ -29,6 +30,7 @@ void Application::tick() {
   loop_.tick();
   if (stream_.running() && loop_.now().axis.phase == AxisPhase::kStreaming) axis_->stream(stream_.tick());
   tuner_.tick(loop_.sample());
+  scope_.tick(loop_.now(), loop_.sample());
 }
 
 void Application::own_timer_tick() {

@@ -14,6 +14,7 @@
 #include "firmware/parameters.hpp"
 #include "firmware/position_stream.hpp"
 #include "firmware/register_bank.hpp"
+#include "firmware/scope.hpp"
 #include "firmware/shaper_settings.hpp"
 #include "firmware/tuning.hpp"
 #include "hal/byte_stream.hpp"
@@ -31,7 +32,7 @@ struct Ports {
   hal::ByteStream* client;  // Modbus RTU
   hal::Watchdog* watchdog;
   FaultMemory* faults = nullptr;               // memory that a reset leaves alone; null: no history is kept
-  TuneMemory* tune = nullptr;                  // null: no auto-tune
+  TuneMemory* tune = nullptr;                  // null: neither auto-tune nor scope
   hal::Nonvolatile* memory = nullptr;          // for the parameters; null: they are not stored
   ParameterKeeper::Restart restart = nullptr;  // starts the chip anew; null: it cannot be
 };
@@ -85,6 +86,7 @@ class Application {
   AutoTune tuner_ = {};
   TuneSettings tuning_ = {};
   ModeTracking tracking_ = {};
+  Scope scope_ = {};
   Parameters parameters_ = {};
   FaultLog faults_ = {};
   PositionStream stream_ = {};

@@ -38,6 +38,10 @@ struct LoopSnapshot {
   uint32_t homings;
 };
 
+// What clients are shown of it; both saturate. Tick or background.
+int32_t counts_per_second(Signal change_per_tick, uint32_t ticks_per_second);
+int32_t following_error(const LoopSnapshot& loop);  // setpoint less position, in whole counts; 0 while disabled
+
 // Who may call what: `tick` and `own_timer_tick` are the tick's context (interrupts of one priority, or both called
 // from the background); everything else is the background's. The background asks through words of 32 bits that it alone
 // writes; the tick answers in the snapshot. A zero-initialised loop is valid storage.

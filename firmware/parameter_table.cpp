@@ -2,6 +2,7 @@
 #include "firmware/default_axis.hpp"
 #include "firmware/parameters.hpp"
 #include "firmware/position_stream.hpp"
+#include "shaper/identify/capture.hpp"
 #include "shaper/tune/auto_tune.hpp"
 
 namespace stillpoint::firmware {
@@ -117,6 +118,11 @@ constexpr Entry tracked(uint32_t index, uint32_t offset) {
   const R name = tracked_register(index, offset);
   return offset == 0 ? shown(name, T::kU32, 0, 0, "tracked mode: frequency (0: none)", "1e-4 Hz")
                      : shown(name, T::kU16, 0, 0, "tracked mode: damping ratio", "1e-5");
+}
+
+constexpr Entry scope_channel(uint32_t k, ScopeSource initial) {
+  return value(static_cast<R>(address_of(R::kFirstScopeChannel) + k), T::kU16, 0, 0, kScopeSources - 1,
+               static_cast<uint32_t>(initial), "scope: channel", "");
 }
 
 // clang-format off
@@ -255,6 +261,20 @@ constexpr Entry kTable[kParameterCount] = {
     shown(R::kTrackingUnheard, T::kU32, 0, 0, "tracking: records that told nothing"),
     tracked(0, 0), tracked(0, kTrackedDamping), tracked(1, 0), tracked(1, kTrackedDamping),
     tracked(2, 0), tracked(2, kTrackedDamping), tracked(3, 0), tracked(3, kTrackedDamping),
+
+    command(R::kScopeCommand, 2, kAny, Effect::kScope, "scope: 0 stop, 1 arm, 2 trigger"),
+    shown(R::kScopeState, T::kU16, 0, 0, "scope: state (0 idle, 1 waiting, 2 triggered, 3 full)"),
+    value(R::kScopeTrigger, T::kU16, 0, 0, 3, 0, "scope: trigger (0 by hand, 1 level, 2 motion, 3 fault)", ""),
+    value(R::kScopeTriggerChannel, T::kU16, 0, 0, kMaxChannels - 1, 0, "scope: channel that the level is of", ""),
+    value(R::kScopeLevel, T::kI32, 0, kI32Min, kI32Max, 0, "scope: level", "the channel's"),
+    value(R::kScopeEdge, T::kU16, 0, 0, 2, 0, "scope: edge (0 rising, 1 falling, 2 either)", ""),
+    value(R::kScopePreTrigger, T::kU16, 0, 0, 99, 10, "scope: pre-trigger", "%"),
+    value(R::kScopeDecimation, T::kU16, 0, 1, kU16Max, 1, "scope: decimation", "ticks"),
+    shown(R::kScopeBefore, T::kU16, 0, 0, "scope: samples before the trigger"),
+    scope_channel(0, ScopeSource::kSetpoint), scope_channel(1, ScopeSource::kPosition),
+    scope_channel(2, ScopeSource::kFollowingError), scope_channel(3, ScopeSource::kAccelerometer),
+    shown(R::kScopeSamples, T::kU16, 0, 0, "scope: samples captured, of each channel"),
+    value(R::kScopePage, T::kU16, 0, 0, 0x3FF, 0, "scope: page (channel in the high byte)", ""),
 };
 // clang-format on
 

@@ -28,7 +28,8 @@ enum class Effect : uint8_t {
   kWatch,
   kVelocity,
   kShaperSet,
-  kTune
+  kTune,
+  kScope
 };
 
 struct Parameter {
@@ -49,7 +50,7 @@ struct Parameter {
   constexpr bool writable() const { return access != Access::kRead; }
 };
 
-constexpr size_t kParameterCount = 168;
+constexpr size_t kParameterCount = 183;
 constexpr size_t kNoParameter = kParameterCount;
 
 // What people are told of one.

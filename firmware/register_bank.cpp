@@ -178,13 +178,13 @@ ModbusException RegisterBank::check_state(const Request& request) {
   uint16_t reason = 0;
   Register culprit = kNoRegister;
   bool limits = false;
-  bool tune = false;
+  bool commands = false;
   const bool good = request.each([&](const Parameter& parameter, size_t) {
     culprit = parameter.name;
     if (parameter.lock == Lock::kNeedsKey && !unlocked_) reason = kReasonLocked;
     if (parameter.effect == Effect::kCommandKey) reason = key_refusal(request.value_of(parameter));
     limits = limits || parameter.effect == Effect::kAxisLimits;
-    tune = tune || parameter.effect == Effect::kTune;
+    commands = commands || parameter.effect == Effect::kTune || parameter.effect == Effect::kScope;
     const bool applies = parameter.effect == Effect::kApplyShaper && request.value_of(parameter) != kApplyDiscard;
     const bool needs_axis = limits || applies || parameter.effect == Effect::kVelocity;
     if (reason == 0 && needs_axis && parts_.tuning->busy()) reason = kReasonTuning;
@@ -195,7 +195,7 @@ ModbusException RegisterBank::check_state(const Request& request) {
       parts_.parameters->set(Register::kCommandResult, static_cast<uint32_t>(CommandResult::kFailed));
     return refuse_state(reason, culprit);
   }
-  if (tune) return do_tune(request);
+  if (commands) return do_commands(request);
   return limits ? check_limits(request, culprit) : ModbusException::kNone;
 }
 
@@ -221,17 +221,23 @@ uint32_t RegisterBank::staged(const Request& request, Register name) const {
   return request.holds(parameter) ? request.value_of(parameter) : parts_.parameters->get(name);
 }
 
-// A start looks at what comes with it too.
-ModbusException RegisterBank::do_tune(const Request& request) {
+// Those that look at what comes with them too. No request reaches from one to the other.
+ModbusException RegisterBank::do_commands(const Request& request) {
   Parameters staged = *parts_.parameters;
-  TuneCommand command = {};
+  Effect effect = {};
+  uint32_t command = 0;
   request.each([&](const Parameter& parameter, size_t index) {
     const uint32_t value = request.value_of(parameter);
-    if (parameter.effect == Effect::kTune) command = static_cast<TuneCommand>(value);
+    if (parameter.effect == Effect::kTune || parameter.effect == Effect::kScope) {
+      effect = parameter.effect;
+      command = value;
+    }
     staged.set_value(index, value);
     return true;
   });
-  const bool done = parts_.tuning->command(command, staged, uptime_ms_);
+  const bool done = effect == Effect::kTune
+                        ? parts_.tuning->command(static_cast<TuneCommand>(command), staged, uptime_ms_)
+                        : parts_.scope->command(static_cast<ScopeCommand>(command), staged);
   return done ? ModbusException::kNone : ModbusException::kDeviceBusy;
 }
 
@@ -289,7 +295,8 @@ void RegisterBank::set_off(const Parameter& parameter, uint32_t value) {
       if (!parts_.keeper->busy())
         parts_.parameters->set(Register::kCommandResult, static_cast<uint32_t>(CommandResult::kDone));
       break;
-    case Effect::kTune:       // done as the last of the checks
+    case Effect::kTune:  // done as the last of the checks
+    case Effect::kScope:
     case Effect::kShaperSet:  // done before the others
     case Effect::kNone: break;
   }

@@ -9,6 +9,7 @@
 #include "firmware/modbus_pdu.hpp"
 #include "firmware/parameters.hpp"
 #include "firmware/position_stream.hpp"
+#include "firmware/scope.hpp"
 #include "firmware/shaper_settings.hpp"
 #include "firmware/tuning.hpp"
 #include "shaper/axis/axis_core.hpp"
@@ -37,6 +38,7 @@ class RegisterBank {
     Parameters* parameters;
     const FaultLog* faults;
     PositionStream* stream;
+    Scope* scope;
     ParameterKeeper* keeper;
   };
 
@@ -52,7 +54,7 @@ class RegisterBank {
   void set_uptime(uint32_t uptime_ms);
 
   // Everything read in one request belongs to one tick, the one that Drive::service saw last. Write-only registers
-  // read 0.
+  // read 0. The scope's window is refused with 06 until its record is full.
   ModbusException read(uint16_t first, uint32_t count, uint16_t* words);
   ModbusException write(uint16_t first, uint32_t count, const uint16_t* words);
 
@@ -61,12 +63,15 @@ class RegisterBank {
   // written at all. Refused with 06.
   ModbusException write_from_all(uint16_t first, uint32_t count, const uint16_t* words);
 
+  uint32_t ticks_per_second() const { return ticks_per_second_; }
+
  private:
   struct Request;
 
   ModbusException write_stream(const Request& request);
   uint32_t ticks_of(uint32_t ms) const;
   uint32_t most_per_tick(uint32_t velocity) const;
+  uint16_t word_at(uint16_t address) const;
   void refresh();
   void refresh_motion(const LoopSnapshot& loop);
   ModbusException check_addresses(const Request& request) const;
@@ -77,7 +82,7 @@ class RegisterBank {
   uint32_t staged(const Request& request, Register name) const;
   ModbusException check_limits(const Request& request, Register culprit);
   Status configure_axis(const Request& request);
-  ModbusException do_tune(const Request& request);
+  ModbusException do_commands(const Request& request);
   void commit(const Request& request);
   void set_off(const Parameter& parameter, uint32_t value);
 

@@ -5,41 +5,46 @@
 namespace stillpoint::firmware {
 namespace {
 
-int32_t saturated(int64_t value) {
-  if (value > INT32_MAX) return INT32_MAX;
-  return value < INT32_MIN ? INT32_MIN : static_cast<int32_t>(value);
-}
+// What is read beside the table.
+enum class Window : uint8_t { kNone, kFaultHistory, kScope };
 
-bool in_fault_history(uint32_t address) {
-  return address >= kFirstFaultEntry && address < kFirstFaultEntry + kFaultEntries * kFaultEntryStride;
+Window window_at(uint32_t address) {
+  if (address >= kFirstScopeWord && address < kFirstScopeWord + 2 * kScopePage) return Window::kScope;
+  if (address >= kFirstFaultEntry && address < kFirstFaultEntry + kFaultEntries * kFaultEntryStride)
+    return Window::kFaultHistory;
+  return Window::kNone;
 }
 
 }  // namespace
 
+uint16_t RegisterBank::word_at(uint16_t address) const {
+  if (window_at(address) == Window::kScope) return parts_.scope->word(uint32_t{address} - kFirstScopeWord);
+  if (window_at(address) == Window::kFaultHistory) {
+    const uint32_t at = uint32_t{address} - kFirstFaultEntry;
+    return parts_.faults->word(at / kFaultEntryStride, at % kFaultEntryStride);
+  }
+  const size_t index = find_parameter(address);
+  const uint32_t value = parts_.parameters->value(index);
+  const bool high = kParameters[index].words() == 2 && address == address_of(kParameters[index].name);
+  return static_cast<uint16_t>(high ? value >> 16 : value);
+}
+
 ModbusException RegisterBank::read(uint16_t first, uint32_t count, uint16_t* words) {
   for (uint32_t i = 0; i < count; ++i) {
     const uint32_t address = first + i;
-    if (in_fault_history(address)) continue;
+    if (window_at(address) != Window::kNone) continue;
     if (address > UINT16_MAX || find_parameter(static_cast<uint16_t>(address)) == kNoParameter) {
       return ModbusException::kIllegalAddress;
     }
   }
+  if (window_at(first) == Window::kScope && !parts_.scope->full())
+    return refuse_state(kReasonNothingToDo, static_cast<Register>(first));
   refresh();
+  parts_.scope->show();
   const bool of_tuning =
       first + count > address_of(Register::kTuneState) && first <= address_of(Register::kTuneExcitedBy);
   if (of_tuning) parts_.tuning->show();
-  for (uint32_t i = 0; i < count; ++i) {
-    const uint32_t address = first + i;
-    if (in_fault_history(address)) {
-      const uint32_t at = address - kFirstFaultEntry;
-      words[i] = parts_.faults->word(at / kFaultEntryStride, at % kFaultEntryStride);
-      continue;
-    }
-    const size_t index = find_parameter(static_cast<uint16_t>(address));
-    const uint32_t value = parts_.parameters->value(index);
-    const bool high = kParameters[index].words() == 2 && address == address_of(kParameters[index].name);
-    words[i] = static_cast<uint16_t>(high ? value >> 16 : value);
-  }
+  for (uint32_t i = 0; i < count; ++i) words[i] = word_at(static_cast<uint16_t>(first + i));
   return ModbusException::kNone;
 }
 
@@ -65,16 +70,12 @@ void RegisterBank::refresh() {
 }
 
 void RegisterBank::refresh_motion(const LoopSnapshot& loop) {
-  const int32_t position = counts_from_signal(loop.position);
-  const int32_t setpoint = counts_from_signal(loop.axis.setpoint);
-  // Half of the fraction goes before the product, so that it fits at any tick rate up to 65 kHz.
-  const int64_t velocity = (loop.position_change >> 16) * static_cast<int64_t>(ticks_per_second_) >> 16;
   Parameters& parameters = *parts_.parameters;
-  parameters.set_signed(Register::kActualPosition, position);
+  parameters.set_signed(Register::kActualPosition, counts_from_signal(loop.position));
   parameters.set_signed(Register::kDemandBeforeShaping, counts_from_signal(loop.axis.demand));
-  parameters.set_signed(Register::kDemandAfterShaping, setpoint);
-  parameters.set_signed(Register::kFollowingError, loop.enabled ? saturated(int64_t{setpoint} - position) : 0);
-  parameters.set_signed(Register::kActualVelocity, saturated(velocity));
+  parameters.set_signed(Register::kDemandAfterShaping, counts_from_signal(loop.axis.setpoint));
+  parameters.set_signed(Register::kFollowingError, following_error(loop));
+  parameters.set_signed(Register::kActualVelocity, counts_per_second(loop.position_change, ticks_per_second_));
 }
 
 }  // namespace stillpoint::firmware

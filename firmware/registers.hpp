@@ -117,6 +117,18 @@ enum class Register : uint16_t {
   kTrackingLeftOut = 0x0254,
   kTrackingUnheard = 0x0256,
   kFirstTrackedMode = 0x0260,
+  kScopeCommand = 0x0300,
+  kScopeState = 0x0301,
+  kScopeTrigger = 0x0302,
+  kScopeTriggerChannel = 0x0303,
+  kScopeLevel = 0x0304,
+  kScopeEdge = 0x0306,
+  kScopePreTrigger = 0x0307,
+  kScopeDecimation = 0x0308,
+  kScopeBefore = 0x0309,
+  kFirstScopeChannel = 0x030A,
+  kScopeSamples = 0x0310,
+  kScopePage = 0x0311,
 };
 
 constexpr Register kNoRegister = Register::kMapVersion;  // never written, so never the cause or the limit of anything
@@ -131,6 +143,10 @@ constexpr uint32_t kModeStride = 8;
 // Write-only, by function 16 from here on: the next positions of the stream, two registers each, at most kStreamWindow.
 constexpr uint16_t kFirstStreamPosition = 0x0090;
 constexpr uint32_t kStreamWindow = 32;
+
+// The scope's window: a page of one channel, kScopePage samples of two registers.
+constexpr uint16_t kFirstScopeWord = 0x0400;
+constexpr uint32_t kScopePage = 62;
 
 // The fault history: sixteen registers an entry, the newest first; see FaultLog::word.
 constexpr uint16_t kFirstFaultEntry = 0x0500;
@@ -177,6 +193,30 @@ constexpr Register tracked_register(uint32_t mode, uint32_t offset) {
 enum class Tracking : uint16_t { kOff, kShow, kApply };
 
 enum class TuneCommand : uint16_t { kStart = 1, kAbort = 2, kAccept = 3, kUndo = 4 };
+
+enum class ScopeCommand : uint16_t { kStop, kArm, kTrigger };
+enum class ScopeTrigger : uint16_t { kByHand, kLevel, kMotion, kFault };
+enum class ScopeEdge : uint16_t { kRising, kFalling, kEither };
+
+// What a channel shows, each as of one tick. Counts and counts/s but for those that say otherwise.
+enum class ScopeSource : uint16_t {
+  kNone,
+  kDemand,            // before shaping
+  kSetpoint,          // after shaping
+  kPosition,          // newest valid feedback
+  kFollowingError,    // 0 while disabled
+  kDemandVelocity,    // since the tick before
+  kSetpointVelocity,  // since the tick before
+  kVelocity,          // of the feedback
+  kAccelerometer,     // raw steps
+  kPhase,             // AxisPhase: at rest 0, moving 1, draining the shaper 2, stopping 3, streaming 4
+  kFault,             // the code of 0010
+  kFlags              // the bits below
+};
+constexpr uint32_t kScopeSources = 12;
+constexpr uint16_t kScopeEnabled = 0x0001;
+constexpr uint16_t kScopeFeedbackValid = 0x0002;
+constexpr uint16_t kScopeInWindow = 0x0004;  // at rest, the position in its window
 
 constexpr uint16_t kMapVersion = 0x0100;
 constexpr uint16_t kProduct = 0x5350;          // "SP"
@@ -239,7 +279,7 @@ constexpr uint16_t kReasonImageVersion = 0x8A00;  // at the start: parameters st
 constexpr uint16_t kReasonImageBad = 0x8A01;      // at the start: no stored parameters are whole
 constexpr uint16_t kReasonNotEnabled = 0x9000;    // only in operation enabled
 constexpr uint16_t kReasonTuning = 0x9100;        // the auto-tune has the axis
-constexpr uint16_t kReasonNothingToDo = 0x9200;   // the auto-tune has nothing to accept, or to undo
+constexpr uint16_t kReasonNothingToDo = 0x9200;   // nothing to accept or undo (auto-tune), to trigger or read (scope)
 
 constexpr uint16_t reason_of(Error error, Quantity quantity) {
   return static_cast<uint16_t>((static_cast<uint32_t>(error) << 8) | static_cast<uint32_t>(quantity));

@@ -82,6 +82,7 @@ Beside the table:
 | address | what | access |
 |---|---|---|
 | 0090-00CF | the next positions of a stream, i32 counts, by function 16 from 0090 on | W |
+| 0400-047B | the scope's page that 0311 names, 62 samples i32 of one channel; 06 until its record is full | R |
 | 0500-05FF | the newest 16 faults, 16 registers each: code, counter, uptime u32, position i32, demand i32, zeros | R |
 )";
 
