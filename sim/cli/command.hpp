@@ -67,6 +67,7 @@ void add_tune(Commands& commands, Output& output);
 void add_hil(Commands& commands, Output& output);
 void add_drive(Commands& commands, Output& output);
 void add_emulate(Commands& commands);
+void add_scope(Commands& commands, Output& output);
 void add_registers(Commands& commands, Output& output);
 void add_demo(Commands& commands, Output& output);
 void add_park(Commands& commands, Output& output);

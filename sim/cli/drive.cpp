@@ -9,6 +9,7 @@
 #include "sim/cli/command.hpp"
 #include "sim/cli/drive_files.hpp"
 #include "sim/cli/drive_registers.hpp"
+#include "sim/cli/drive_scope.hpp"
 #include "sim/cli/json.hpp"
 #include "sim/cli/modbus_port.hpp"
 #include "sim/cli/table.hpp"
@@ -30,9 +31,10 @@ struct DriveOptions {
   std::string parity = "even";
   std::string target;
   std::string by;
+  ScopeRequest scope;
 };
 
-constexpr char kVerbs[] = "status enable disable halt stop reset move get set save export import";
+constexpr char kVerbs[] = "status enable disable halt stop reset move get set save export import scope";
 
 struct Call {
   const DriveOptions& options;
@@ -125,16 +127,20 @@ int set_value(const Call& call) {
 // The word that asks for operation enabled; what it was asked for before, bit 4 above all, is not repeated.
 constexpr uint16_t kEnabled = 0x0F;
 
-int move(const Call& call) {
+MoveReport start_move(const Call& call, ChipClient& client) {
   const bool relative = !call.options.by.empty();
   if (relative == !call.options.target.empty())
     throw sim::bad_argument("--target", "missing", "`move` needs one of --target and --by, in counts");
   const std::string& text = relative ? call.options.by : call.options.target;
   const int64_t counts = sim::parse_integer(text, relative ? "--by" : "--target", INT32_MIN, INT32_MAX);
-  ChipClient client(call.port);
   if (!client.is_enabled()) client.enable();
   call.port.write32(address_of(Register::kTargetPosition), static_cast<uint32_t>(counts));
-  const MoveReport report = client.start(relative);
+  return client.start(relative);
+}
+
+int move(const Call& call) {
+  ChipClient client(call.port);
+  const MoveReport report = start_move(call, client);
   client.finish(report.total_ticks);
   const Json object = {{"result", "ok"},
                        {"profile_ticks", report.profile_ticks},
@@ -146,6 +152,25 @@ int move(const Call& call) {
   } else {
     fmt::print("at {} counts after {} ms, {} of them the profile's\n", object["position_counts"].get<int64_t>(),
                report.total_ticks, report.profile_ticks);
+  }
+  return 0;
+}
+
+// With --target or --by it makes the move that it is to see.
+int scope(const Call& call) {
+  check_output(call.output);
+  const DriveOptions& options = call.options;
+  ChipClient client(call.port);
+  const bool moves = !options.target.empty() || !options.by.empty();
+  const ScopeRecord record = capture_scope(call.port, options.scope, [&] {
+    if (moves) start_move(call, client);
+  });
+  if (!call.output.csv.empty()) write_scope_csv(call.output.csv, settings_of(options.scope), record);
+  if (!call.output.plot.empty()) draw_scope(call.output.plot, "stillpoint drive scope", record);
+  if (call.output.json) {
+    print_json(json_of(record));
+  } else {
+    print_scope(record);
   }
   return 0;
 }
@@ -176,6 +201,7 @@ int command(const Call& call) {
   if (verb == "get") return call.argument(0, "a register"), show_values(call, call.options.arguments);
   if (verb == "set") return set_value(call);
   if (verb == "move") return move(call);
+  if (verb == "scope") return scope(call);
   if (verb == "export") {
     const Json object = exported(call.port);
     if (call.options.arguments.empty()) return print_json(object), 0;
@@ -232,9 +258,10 @@ void add_drive(Commands& commands, Output& output) {
   add_value(app, "--unit", options->unit, "N", "the drive's address");
   add_value(app, "--baud", options->baud, "N", "bits a second");
   add_value(app, "--parity", options->parity, "none|even|odd", "of the port; a pseudo-terminal has none");
-  add_value(app, "--target", options->target, "COUNTS", "move: where to");
-  add_value(app, "--by", options->by, "COUNTS", "move: how far from the target in force");
-  add_json(app, output);
+  add_value(app, "--target", options->target, "COUNTS", "move, scope: where to");
+  add_value(app, "--by", options->by, "COUNTS", "move, scope: how far from the target in force");
+  add_scope_request(app, options->scope);
+  add_output(app, output);
 }
 
 }  // namespace stillpoint::cli

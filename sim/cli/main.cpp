@@ -21,6 +21,7 @@ int main(int argc, char** argv) {
   stillpoint::cli::add_hil(commands, output);
   stillpoint::cli::add_drive(commands, output);
   stillpoint::cli::add_emulate(commands);
+  stillpoint::cli::add_scope(commands, output);
   stillpoint::cli::add_registers(commands, output);
   stillpoint::cli::add_demo(commands, output);
   stillpoint::cli::add_park(commands, output);

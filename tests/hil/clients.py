@@ -226,6 +226,27 @@ def diagnoses(client):
     check("the vendor", b"stillpoint", told.information[0])
 
 
+def scopes(client, target):
+    client.write(0x0302, 2, 0)  # a motion
+    client.write(0x0306, 0, 10, 1)
+    client.write(0x030A, 2, 3, 0, 0)  # setpoint, position
+    client.write(0x0300, 1)
+    start = wide(client, DEMAND)
+    move(client, target)
+    until("the record", lambda: client.read(0x0301) == [3])
+    samples, before = client.read(0x0310)[0], client.read(0x0309)[0]
+    for channel in (0, 1):
+        record = []
+        for block in range(-(-samples // 62)):
+            client.write(0x0311, channel << 8 | block)
+            page = client.read(0x0400, 124)
+            record += struct.unpack(">62i", struct.pack(">124H", *page))
+        record = record[:samples]
+        check("the setpoint before the trigger", [start] * before, record[:before])
+        check("a record that only rises", sorted(record), record)
+        check("the end of the record", target, record[-1])
+
+
 def tunes(client):
     client.write(0x0201, 1)  # by a move
     client.write(0x0202, *words(1000000))
@@ -257,6 +278,8 @@ def drives_everything(port):
     faults_and_recovers(pymodbus)
     shapes(pymodbus)
     diagnoses(pymodbus)
+    move(pymodbus, 0)
+    scopes(pymodbus, 200000)
     move(pymodbus, 0)
     tunes(pymodbus)
     pymodbus.close()

@@ -57,7 +57,7 @@ TEST_HOST(bad_arguments_end_with_2_and_name_what_is_accepted) {
   check_refused(2, "command: missing: ", "");
   check_refused(2,
                 "command: dance: not known, accepted: design limits profile sensitivity robustness recommend group "
-                "identify shape move tune hil drive emulate registers demo park table",
+                "identify shape move tune hil drive emulate scope registers demo park table",
                 "dance");
   check_refused(2, "option: --color: not known to `design`, accepted: ", "design --shaper zv:11:0.1 --color red");
   check_refused(2, "option: --shaper: needs exactly one value", "design --shaper");

@@ -64,6 +64,23 @@ TEST(a_drive_is_enabled_moved_stopped_and_switched_off) {
   TEST_ASSERT_TRUE(json_of(emulated.drive("disable"))["state"] == "switch on disabled");
 }
 
+TEST(a_scope_captures_the_move_that_it_makes_and_its_file_can_be_drawn) {
+  const Emulated emulated;
+  const std::string file = scratch_file("scope.csv");
+  const Json there =
+      json_of(emulated.drive("scope --target 200000 --channels setpoint,position --pre 25 --csv " + file));
+  TEST_ASSERT_TRUE(there["channels"][0]["name"] == "setpoint");
+  TEST_ASSERT_TRUE(there["channels"][0]["least"] == 0);
+  TEST_ASSERT_TRUE(there["channels"][1]["last"] == 200000);
+  TEST_ASSERT_AT_LEAST_INT64(1024 - 256, there["samples"].get<int64_t>());
+  TEST_ASSERT_DOUBLE_WITHIN(1e-9, 0.767, there["last_s"].get<double>());
+  const Json again = json_of("scope " + file);
+  TEST_ASSERT_TRUE(again == there);
+  check_refused(2, "--channels: speed: not known, accepted: demand setpoint", emulated.drive("scope --channels speed"));
+  check_refused(1, "scope: not triggered: ", emulated.drive("scope --trigger fault --timeout 0.2"));
+  TEST_ASSERT_TRUE(json_of(emulated.drive("get scope-state"))["scope-state"] == 0);
+}
+
 TEST(registers_are_read_and_written_by_name_and_by_address) {
   const Emulated emulated;
   TEST_ASSERT_TRUE(json_of(emulated.drive("set profile-velocity 900000"))["profile-velocity"] == 900000);
