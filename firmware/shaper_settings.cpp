@@ -62,20 +62,30 @@ ShaperSettings::Place ShaperSettings::place_of(Register name) {
 uint32_t ShaperSettings::staged(uint32_t set, Register name) const {
   if (set == shown_) return parameters_->get(name);
   const Place place = place_of(name);
-  const Staged& staged = sets_[set].staged;
+  const Staged& staged = set == kSetInForce ? sets_[set_in_force_].in_force : sets_[set].staged;
   return place.field == kFieldCount ? staged.count : staged.fields[place.mode][place.field];
 }
 
 void ShaperSettings::stage(uint32_t set, Register name, uint32_t value) {
   if (set == shown_) return parameters_->set(name, value);
   const Place place = place_of(name);
-  Staged& staged = sets_[set].staged;
+  Staged& staged = set == kSetInForce ? requested_ : sets_[set].staged;
   (place.field == kFieldCount ? staged.count : staged.fields[place.mode][place.field]) = value;
 }
 
 void ShaperSettings::request_apply(Retune when) {
   following_ = false;
   request(shown_, read_staged(), when);
+}
+
+void ShaperSettings::restore(uint32_t set) {
+  restoring_ = requested_.count != 0;
+  if (restoring_) request(set, requested_, Retune::kAtRest);
+}
+
+void ShaperSettings::take_off() {
+  following_ = false;
+  if (shapes()) request(set_in_force_, Staged{}, Retune::kAtRest);
 }
 
 void ShaperSettings::request(uint32_t set, const Staged& staged, Retune when) {
@@ -110,6 +120,7 @@ void ShaperSettings::follow(const Mode* modes, double worthwhile) {
 }
 
 void ShaperSettings::note_change() {
+  restoring_ = false;
   ++changes_;
   parameters_->set(Register::kTrackingRefusal, 0);
 }
