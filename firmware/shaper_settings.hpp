@@ -68,11 +68,11 @@ class ShaperSettings {
   // The modes that what is in force was made for; at most kMaxModes, and how many.
   uint32_t modes_in_force(Mode* modes) const;
 
-  // These, as many, in place of them: staged in the same set, and applied at rest. Nothing happens where what is in
-  // force leaves at the worst of them at most `worthwhile` more than at the worst of its own, while an apply is under
-  // way, or where the client has something else staged in the set. Where the design is refused the set is as it was,
-  // staged and in 0131 on, and 0251 says why.
-  void follow(const Mode* modes, double worthwhile);
+  // Those of registers 0260 on in place of them: staged in the same set, and applied at rest. Nothing happens where
+  // what is in force leaves at the worst of those at most `worthwhile` more than at the worst of its own, while an
+  // apply is under way, or where the client has something else staged in the set. Where the design is refused the set
+  // is as it was, staged and in 0131 on, and 0251 says why.
+  void follow(double worthwhile);
 
   // Goes up when something comes into force otherwise than by `follow`.
   uint32_t changes() const { return changes_; }
