@@ -1,18 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "firmware/mode_tracking.hpp"
 
-#include "firmware/register_units.hpp"
-
 namespace stillpoint::firmware {
 namespace {
 
-constexpr double kFrequencyPerHz = 1e4;
-constexpr double kDampingPerOne = 1e5;
+constexpr float kFrequencyPerHz = 1e4F;
+constexpr float kDampingPerOne = 1e5F;
 constexpr double kResidualPerOne = 1e4;
-// Of the band that is listened to, about the modes that are followed. The low end makes the record long enough.
-constexpr double kBandLow = 0.5;
-constexpr double kBandHigh = 1.2;
-constexpr double kLeastPeriods = 4.0;  // of the slowest mode, in a record
+// Of the band that is listened to, half the lowest frequency followed and 1.2 times the highest, as the registers have
+// them. The low end makes the record long enough.
+constexpr double kBandLow = 2e4;
+constexpr double kBandHigh = 1e4 / 1.2;
+constexpr double kLeast = 4e4;  // of the slowest mode, in a record: four periods
 
 }  // namespace
 
@@ -51,20 +50,20 @@ void ModeTracking::begin_anew() {
 }
 
 void ModeTracking::listen() {
-  double low_hz = tracker_.mode(0).frequency_hz;
-  double high_hz = low_hz;
-  for (size_t k = 1; k < tracker_.count(); ++k) {
-    const double frequency = tracker_.mode(k).frequency_hz;
-    low_hz = math::lesser(low_hz, frequency);
-    high_hz = math::greater(high_hz, frequency);
+  const Parameters& parameters = *parts_.parameters;
+  uint32_t low = parameters.get(Register::kFirstTrackedMode);
+  uint32_t high = low;
+  for (uint32_t k = 1; k < tracker_.count(); ++k) {
+    const uint32_t frequency = parameters.get(tracked_register(k, 0));
+    if (frequency < low) low = frequency;
+    if (frequency > high) high = frequency;
   }
   ListenPlan plan = {};
   const double tick_s = parts_.axis->config().tick_s;
-  if (tracker_.count() == 0 || !plan_listening(kBandLow * low_hz, kBandHigh * high_hz, tick_s, kSamples, plan).ok())
-    return;
-  const Parameters& parameters = *parts_.parameters;
+  // Without a mode the lowest is 0 and refused.
+  if (!plan_listening(low / kBandLow, high / kBandHigh, tick_s, kSamples, plan).ok()) return;
   plan.tolerance = signal_from_counts(parameters.get_signed(Register::kPositionWindow));
-  least_ = static_cast<uint32_t>(kLeastPeriods * plan.rate_hz / low_hz);
+  least_ = static_cast<uint32_t>(plan.rate_hz * kLeast) / low;
   parts_.tuner->follow(static_cast<TuneSource>(parameters.get(Register::kTuneSourceWanted)),
                        parameters.get_signed(Register::kTuneSensorLowest),
                        parameters.get_signed(Register::kTuneSensorHighest), plan);
@@ -83,18 +82,18 @@ void ModeTracking::look(const Meanwhile& meanwhile) {
   show();
   listen();
   if (!moved || wanted() != Tracking::kApply || parameters.get(Register::kTrackingRefusal) != 0) return;
-  Mode modes[kMaxModes];
-  for (size_t k = 0; k < tracker_.count(); ++k) modes[k] = tracker_.mode(k);
-  parts_.shaper->follow(modes, kWorthwhile * parameters.get(Register::kTuneTolerance) / kResidualPerOne);
+  parts_.shaper->follow(kWorthwhile * parameters.get(Register::kTuneTolerance) / kResidualPerOne);
 }
 
 void ModeTracking::show() {
   Parameters& parameters = *parts_.parameters;
   parameters.set(Register::kTrackingLeftOut, static_cast<uint32_t>(tracker_.left_out()));
   for (uint32_t k = 0; k < kMaxModes; ++k) {
-    const Mode mode = k < tracker_.count() ? tracker_.mode(k) : Mode{};
-    parameters.set(tracked_register(k, 0), register_nearest(mode.frequency_hz, kFrequencyPerHz));
-    parameters.set(tracked_register(k, kTrackedDamping), register_nearest(mode.damping_ratio, kDampingPerOne));
+    const bool followed = k < tracker_.count();
+    const float hz = followed ? tracker_.frequency_hz(k) : 0.0F;
+    const float damping = followed ? tracker_.damping_ratio(k) : 0.0F;
+    parameters.set(tracked_register(k, 0), static_cast<uint32_t>(hz * kFrequencyPerHz + 0.5F));
+    parameters.set(tracked_register(k, kTrackedDamping), static_cast<uint32_t>(damping * kDampingPerOne + 0.5F));
   }
 }
 

@@ -78,6 +78,7 @@ uint16_t ParameterKeeper::load_defaults() {
     }
     if (!of_shaper_set(parameter)) parts_.parameters->set_value(i, parameter.initial);
   }
+  parts_.shaper->take_off();
   parts_.parameters->adopt(delivered_);
   registers_->watch();
   return 0;

@@ -8,6 +8,7 @@ namespace {
 
 constexpr size_t kPages = 2;
 constexpr uint32_t kHeaderWords = 3;
+constexpr uint32_t kKeyOfSetInForce = ShaperSettings::kSetInForce << 16 | address_of(Register::kShaperSet);
 
 // Words can be counted without memory, then programmed.
 struct Writer {
@@ -27,18 +28,22 @@ struct Writer {
 void put_parameters(const Parameters& parameters, const ShaperSettings& shaper, Writer& writer) {
   for (size_t i = 0; i < kParameterCount; ++i) {
     if (!stored(kParameters[i])) continue;
-    const uint32_t sets = of_shaper_set(kParameters[i]) ? kShaperSets : 1;
+    const uint32_t sets = of_shaper_set(kParameters[i]) ? kShaperSets + (shaper.shapes() ? 1U : 0U) : 1;
     for (uint32_t set = 0; set < sets; ++set) {
       writer.put(set << 16 | address_of(kParameters[i].name));
       writer.put(sets == 1 ? parameters.value(i) : shaper.staged(set, kParameters[i].name));
     }
   }
+  if (!shaper.shapes()) return;
+  writer.put(kKeyOfSetInForce);
+  writer.put(shaper.set_in_force());
 }
 
-void take_entry(uint32_t key, uint32_t value, Parameters& parameters, ShaperSettings& shaper) {
+void take_entry(uint32_t key, uint32_t value, Parameters& parameters, ShaperSettings& shaper, uint32_t& in_force) {
   const size_t index = find_parameter(static_cast<uint16_t>(key));
   const uint32_t set = key >> 16;
-  if (index == kNoParameter || set >= kShaperSets) return;
+  if (key == kKeyOfSetInForce && value < kShaperSets) in_force = value;
+  if (index == kNoParameter || set > kShaperSets) return;
   const Parameter& parameter = kParameters[index];
   uint32_t accepted = 0;
   if (address_of(parameter.name) != (key & 0xFFFFU) || !stored(parameter)) return;
@@ -110,9 +115,11 @@ Loaded ParameterStore::load(Parameters& parameters, ShaperSettings& shaper) cons
   if (best == kPages) return result;
   uint32_t key = 0;
   uint32_t value = 0;
+  uint32_t in_force = 0;
   for (uint32_t i = kHeaderWords; i + 1 < kHeaderWords + newest.payload_words(); i += 2) {
-    if (word_at(best, i, key) && word_at(best, i + 1, value)) take_entry(key, value, parameters, shaper);
+    if (word_at(best, i, key) && word_at(best, i + 1, value)) take_entry(key, value, parameters, shaper, in_force);
   }
+  shaper.restore(in_force);
   return Loaded::kImage;
 }
 

@@ -36,6 +36,10 @@ void Parameters::load_defaults() {
   for (size_t i = 0; i < kParameterCount; ++i) values_[i] = kParameters[i].initial;
 }
 
+uint32_t Parameters::get(Register name) const { return values_[find_parameter(address_of(name))]; }
+
+void Parameters::set(Register name, uint32_t value) { values_[find_parameter(address_of(name))] = value; }
+
 void Parameters::adopt_one(Register name, double value) { set(name, whole_register(value)); }
 
 void Parameters::lower_to_ceilings() {

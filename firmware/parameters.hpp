@@ -98,9 +98,9 @@ class Parameters {
   uint32_t value(size_t index) const { return values_[index]; }
   void set_value(size_t index, uint32_t value) { values_[index] = value; }
 
-  uint32_t get(Register name) const { return values_[find_parameter(address_of(name))]; }
+  uint32_t get(Register name) const;
   int32_t get_signed(Register name) const { return static_cast<int32_t>(get(name)); }
-  void set(Register name, uint32_t value) { values_[find_parameter(address_of(name))] = value; }
+  void set(Register name, uint32_t value);
   void set_signed(Register name, int32_t value) { set(name, static_cast<uint32_t>(value)); }
 
   // Registers 0012, 0013 and 0016: why something was not done. `accepted` is in the unit of `culprit`, 0 for none.

@@ -52,6 +52,7 @@ void RegisterBank::refresh() {
   const LoopSnapshot& loop = parts_.drive->loop();
   uint32_t warnings = loop.feedback_valid ? 0 : kWarningFeedbackMissing;
   if (loop.link_silent) warnings |= kWarningLinkSilent;
+  if (parts_.shaper->restoring()) warnings |= kWarningNotRestored;
   Parameters& parameters = *parts_.parameters;
   parameters.set(Register::kUptimeMs, uptime_ms_);
   parameters.set(Register::kErrorCode, static_cast<uint32_t>(loop.fault));
@@ -60,7 +61,7 @@ void RegisterBank::refresh() {
   parameters.set(Register::kServoMissing, loop.missing);
   parameters.set(Register::kServoLinkLosses, loop.link_losses);
   parameters.set(Register::kTickOverruns, loop.overruns);
-  parameters.set(Register::kStatusword, parts_.drive->statusword());
+  parameters.set(Register::kStatusword, parts_.drive->statusword() | (warnings != 0 ? kStatusWarning : 0U));
   const auto buffered = static_cast<uint32_t>(parts_.stream->buffered());
   parameters.set(Register::kStreamBuffered, buffered);
   parameters.set(Register::kStreamRoom, kStreamPositions - buffered);

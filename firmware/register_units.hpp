@@ -10,7 +10,7 @@ namespace stillpoint::firmware {
 // Values that are whole but for rounding count as whole.
 constexpr double kRegisterSlack = 1e-6;
 
-constexpr uint32_t register_floor(double value) {
+[[gnu::noinline]] constexpr uint32_t register_floor(double value) {
   const double nudged = value + kRegisterSlack;
   if (!(nudged >= 1.0)) return 0;
   return nudged >= static_cast<double>(UINT32_MAX) ? UINT32_MAX : static_cast<uint32_t>(nudged);

@@ -261,6 +261,7 @@ enum class StopOption : uint16_t { kOff, kRamp, kQuick, kRampAndStay = 5, kQuick
 // 0011.
 constexpr uint16_t kWarningFeedbackMissing = 0x0001;  // the newest feedback was lost or invalid
 constexpr uint16_t kWarningLinkSilent = 0x0002;       // no servo tick for 100 ms
+constexpr uint16_t kWarningNotRestored = 0x0004;      // the shaper that was saved is not in force: not yet, or refused
 
 // 0012. The shaper's own refusals are its error in the high byte and the quantity in the low byte; what the drive
 // itself refuses has bit 15 set.

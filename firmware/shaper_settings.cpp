@@ -17,13 +17,10 @@ constexpr double kSpacingPerPeriod = 1e4;
 constexpr double kResidualPerOne = 1e4;
 constexpr double kUsPerSecond = 1e6;
 
-Mode mode_of(const uint32_t (&fields)[5]) {
-  return {fields[kFrequency] / kFrequencyPerHz, fields[kDamping] / kDampingPerOne};
-}
-
 // Register values are ShaperKind's. A train of the client's own has no registers to come through.
 ShaperSpec spec_of(const uint32_t (&fields)[5]) {
-  return {static_cast<ShaperKind>(fields[kKind]), mode_of(fields), fields[kTolerance] / kTolerancePerOne,
+  const Mode mode{fields[kFrequency] / kFrequencyPerHz, fields[kDamping] / kDampingPerOne};
+  return {static_cast<ShaperKind>(fields[kKind]), mode, fields[kTolerance] / kTolerancePerOne,
           fields[kSpacing] / kSpacingPerPeriod, nullptr};
 }
 
@@ -62,20 +59,32 @@ ShaperSettings::Place ShaperSettings::place_of(Register name) {
 uint32_t ShaperSettings::staged(uint32_t set, Register name) const {
   if (set == shown_) return parameters_->get(name);
   const Place place = place_of(name);
-  const Staged& staged = sets_[set].staged;
+  const Staged& staged = set == kSetInForce ? sets_[set_in_force_].in_force : sets_[set].staged;
   return place.field == kFieldCount ? staged.count : staged.fields[place.mode][place.field];
 }
 
 void ShaperSettings::stage(uint32_t set, Register name, uint32_t value) {
   if (set == shown_) return parameters_->set(name, value);
   const Place place = place_of(name);
-  Staged& staged = sets_[set].staged;
+  Staged& staged = set == kSetInForce ? requested_ : sets_[set].staged;
   (place.field == kFieldCount ? staged.count : staged.fields[place.mode][place.field]) = value;
 }
 
 void ShaperSettings::request_apply(Retune when) {
   following_ = false;
   request(shown_, read_staged(), when);
+}
+
+void ShaperSettings::restore(uint32_t set) {
+  restoring_ = requested_.count != 0;
+  if (restoring_) request(set, requested_, Retune::kAtRest);
+}
+
+void ShaperSettings::take_off() {
+  following_ = false;
+  if (!shapes()) return;
+  requested_.count = 0;
+  request(set_in_force_, requested_, Retune::kAtRest);
 }
 
 void ShaperSettings::request(uint32_t set, const Staged& staged, Retune when) {
@@ -90,17 +99,17 @@ void ShaperSettings::request(uint32_t set, const Staged& staged, Retune when) {
 
 uint32_t ShaperSettings::modes_in_force(Mode* modes) const {
   const Staged& made_for = sets_[set_in_force_].in_force;
-  for (uint32_t k = 0; k < made_for.count; ++k) modes[k] = mode_of(made_for.fields[k]);
+  for (uint32_t k = 0; k < made_for.count; ++k) modes[k] = spec_of(made_for.fields[k]).mode;
   return made_for.count;
 }
 
-void ShaperSettings::follow(const Mode* modes, double worthwhile) {
+void ShaperSettings::follow(double worthwhile) {
   const Set& set = sets_[set_in_force_];
   Staged staged = shown_ == set_in_force_ ? read_staged() : set.staged;
   if (waiting() || !same(staged, set.in_force)) return;
   for (uint32_t k = 0; k < staged.count; ++k) {
-    staged.fields[k][kFrequency] = register_nearest(modes[k].frequency_hz, kFrequencyPerHz);
-    staged.fields[k][kDamping] = register_nearest(modes[k].damping_ratio, kDampingPerOne);
+    staged.fields[k][kFrequency] = parameters_->get(tracked_register(k, 0));
+    staged.fields[k][kDamping] = parameters_->get(tracked_register(k, kTrackedDamping));
   }
   const ShaperDesign active = axis_->shaper();
   if (worst_residual(active, staged) - worst_residual(active, set.in_force) <= worthwhile) return;
@@ -110,6 +119,7 @@ void ShaperSettings::follow(const Mode* modes, double worthwhile) {
 }
 
 void ShaperSettings::note_change() {
+  restoring_ = false;
   ++changes_;
   parameters_->set(Register::kTrackingRefusal, 0);
 }

@@ -20,15 +20,31 @@ namespace stillpoint::firmware {
 // A refusal leaves what was in force, or on its way, as it is.
 class ShaperSettings {
  public:
+  static constexpr uint32_t kSetInForce = kShaperSets;
+
   // `meanwhile` is called while a design runs; it may call what a register write calls here, but not `service`.
   void begin(AxisCore& axis, Parameters& parameters, Meanwhile meanwhile);
 
   // Register 0101: this set's registers are shown from now on. What runs does not change.
   void show_set(uint32_t set);
 
-  // The staged registers of any set, shown or not: 0100 and those of the modes but the reserved ones.
+  // The staged registers of any set, shown or not: 0100 and those of the modes but the reserved ones. Of set
+  // kSetInForce what is in force was made from; staged there, it waits for `restore`.
   uint32_t staged(uint32_t set, Register name) const;
   void stage(uint32_t set, Register name, uint32_t value);
+
+  // The set that it belongs to, and whether there is a shaper at all.
+  uint32_t set_in_force() const { return set_in_force_; }
+  bool shapes() const { return sets_[set_in_force_].in_force.count != 0; }
+
+  // At the start, before anything was applied: what is staged in kSetInForce is applied at rest as the set of this
+  // number, if it is anything. As behind every apply no motion begins before it is in force or refused.
+  void restore(uint32_t set);
+  // From then on, until this or something else has come into force: for good where the design was refused.
+  bool restoring() const { return restoring_; }
+
+  // Nothing is to be in force, in the same way.
+  void take_off();
 
   // Register 0130: apply. The design is left to `service`, so that the client's answer does not wait for it; one that
   // is under way is given up after its mode.
@@ -52,11 +68,11 @@ class ShaperSettings {
   // The modes that what is in force was made for; at most kMaxModes, and how many.
   uint32_t modes_in_force(Mode* modes) const;
 
-  // These, as many, in place of them: staged in the same set, and applied at rest. Nothing happens where what is in
-  // force leaves at the worst of them at most `worthwhile` more than at the worst of its own, while an apply is under
-  // way, or where the client has something else staged in the set. Where the design is refused the set is as it was,
-  // staged and in 0131 on, and 0251 says why.
-  void follow(const Mode* modes, double worthwhile);
+  // Those of registers 0260 on in place of them: staged in the same set, and applied at rest. Nothing happens where
+  // what is in force leaves at the worst of those at most `worthwhile` more than at the worst of its own, while an
+  // apply is under way, or where the client has something else staged in the set. Where the design is refused the set
+  // is as it was, staged and in 0131 on, and 0251 says why.
+  void follow(double worthwhile);
 
   // Goes up when something comes into force otherwise than by `follow`.
   uint32_t changes() const { return changes_; }
@@ -121,6 +137,7 @@ class ShaperSettings {
   uint32_t wanted_set_ = 0;
   Retune when_ = Retune::kAtRest;
 
+  bool restoring_ = false;
   uint32_t set_in_force_ = 0;
   bool adopted_ = false;
   Staged before_ = {};  // adopt

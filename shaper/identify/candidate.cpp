@@ -141,7 +141,7 @@ Candidates find_candidates(const Record& record, const DecayModel& model, const 
       }
     }
     meanwhile();
-    if (meanwhile.is_given_up()) return {};
+    if (meanwhile.is_given_up()) break;
   }
   return best;
 }

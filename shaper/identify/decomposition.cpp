@@ -89,7 +89,7 @@ class Builder {
 
   Decomposition build() {
     scratch_.fit.solve_linear(record_, result_.model, nullptr, meanwhile_);
-    while (result_.model.count < kMostComponents && has_room()) {
+    while (result_.model.count < kMostComponents && has_room() && !meanwhile_.is_given_up()) {
       const Candidates found = find_candidates(record_, result_.model, refused_, scratch_.buffer, size_, meanwhile_);
       if (found.standing.score < kWorthTrying) {
         if (found.standing.score > result_.best_score) result_.best_score = found.standing.score;

@@ -199,18 +199,14 @@ Status identify(const Record& record, const IdentifyConfig& config, IdentifyScra
     return kOk;
   }
   const Decomposition parts = decompose(record, scratch, meanwhile);
-  if (!meanwhile.is_given_up()) Report(record, config, parts, scratch, meanwhile).write(result);
-  if (meanwhile.is_given_up()) {
-    result = Identification{};
-    result.finding = Finding::kAborted;
-    return kOk;
-  }
+  Report(record, config, parts, scratch, meanwhile).write(result);
   if ((!config.ends_known && is_saturated(record)) ||
       (result.finding == Finding::kFound && is_flattened(record, result.model))) {
     result.finding = Finding::kSaturated;
     result.mode_count = 0;
     result.confidence = 0.0;
   }
+  if (meanwhile.is_given_up()) result.finding = Finding::kAborted;
   return kOk;
 }
 

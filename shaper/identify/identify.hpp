@@ -24,7 +24,8 @@ struct IdentifyConfig {
 // components, hum and drift included. Refuses a record that the memory does not hold or that is not finite; `result`
 // then stays. Scale-free: no unit, offset or rate matters but as a ratio.
 // Cost: a handful of passes of DecayFit for each component and kDecays transforms; calls `meanwhile` at least once a
-// pass. One that is given up finds kAborted; what becomes of the record from then on does not matter.
+// pass. One that is given up finds kAborted, and what else it says means nothing; what becomes of the record
+// meanwhile does not matter.
 Status identify(const Record& record, const IdentifyConfig& config, IdentifyScratch scratch, Identification& result,
                 const Meanwhile& meanwhile = {});
 

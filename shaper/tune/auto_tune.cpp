@@ -9,7 +9,7 @@ namespace stillpoint {
 
 namespace {
 
-constexpr double kMostGaps = 0.01;       // of the ticks that are recorded
+constexpr uint32_t kGapsOfTicks = 100;   // one in so many that are recorded, at most
 constexpr double kClearlyBetter = 0.5;   // of the plain ringing, at most
 constexpr double kWorthProposing = 0.5;  // a shaper that may leave more is none
 constexpr double kFaded = 0.1;           // of the plain ringing, what may be left of it when it is verified
@@ -242,9 +242,15 @@ void AutoTune::listen() {
   }
 }
 
+// A power of two of them.
+double* AutoTune::borrow(size_t& size) {
+  double* const memory = axis_->lend_memory(size);
+  while ((size & (size - 1)) != 0) size &= size - 1;
+  return memory;
+}
+
 bool AutoTune::is_flawed(const CaptureFlaws& flaws) const {
-  const double ticks = static_cast<double>(capture_.samples()) * plan_.listen.decimation;
-  return flaws.saturated != 0 || flaws.gaps > kMostGaps * ticks;
+  return flaws.saturated != 0 || flaws.gaps > capture_.samples() * plan_.listen.decimation / kGapsOfTicks;
 }
 
 // True where there is no use in looking at it.
@@ -274,9 +280,8 @@ void AutoTune::look(const Meanwhile& meanwhile) {
   report_.source = load(to_error_) != 0 ? TuneSource::kFollowingError : TuneSource::kAccelerometer;
   if (record_is_flawed()) return;
   size_t size = 0;
-  double* const memory = axis_->lend_memory(size);
+  double* const memory = borrow(size);
   if (memory == nullptr) return;
-  while ((size & (size - 1)) != 0) size &= size - 1;
   const Record record = capture_.record(report_.source == TuneSource::kFollowingError ? kCountsPerError : 1.0);
   const IdentifyScratch scratch(memory_->fit, memory, size);
   if (verifying_) {

@@ -172,6 +172,7 @@ class AutoTune {
   void put_back();
   void stop_listening();
   bool is_flawed(const CaptureFlaws& flaws) const;
+  double* borrow(size_t& size);
   void end(TuneState state);
   void fail(Finding finding);
   void refused(const Status& status);

@@ -38,9 +38,8 @@ Identification AutoTune::look_at_followed(uint32_t least, const Meanwhile& meanw
   if (followed_.count < least) return found;
   found.finding = Finding::kAborted;
   size_t size = 0;
-  double* const memory = axis_->lend_memory(size);
+  double* const memory = borrow(size);
   if (memory == nullptr) return found;
-  while ((size & (size - 1)) != 0) size &= size - 1;
   IdentifyConfig config;
   config.rate_hz = plan_.listen.rate_hz;
   config.ends_known = from_error || config_.sensor_lowest < config_.sensor_highest;

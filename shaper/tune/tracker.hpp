@@ -35,9 +35,9 @@ class ModeTracker {
   bool follow(const Identification& found);
 
   size_t count() const { return count_; }
-  Mode mode(size_t k) const {
-    return {static_cast<double>(state_[k].frequency.value), static_cast<double>(state_[k].damping.value)};
-  }
+  float frequency_hz(size_t k) const { return state_[k].of[kFrequency].value; }
+  float damping_ratio(size_t k) const { return state_[k].of[kDamping].value; }
+  Mode mode(size_t k) const { return {static_cast<double>(frequency_hz(k)), static_cast<double>(damping_ratio(k))}; }
   size_t left_out() const { return left_out_; }  // outliers, since `begin`
 
  private:
@@ -48,12 +48,11 @@ class ModeTracker {
 
     void begin(double at, float part);
     bool is_outlier(float measured, float variance_of_it, float part) const;
-    void move(float measured, float variance_of_it, float part, float bound);
-    void forget(float part);
+    void move(float measured, float variance_of_it, float bound);
   };
+  enum { kFrequency, kDamping, kEstimates };
   struct Tracked {
-    Estimate frequency;
-    Estimate damping;
+    Estimate of[kEstimates];
   };
 
   bool follow_one(const IdentifiedMode& mode);

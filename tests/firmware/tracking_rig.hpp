@@ -22,6 +22,7 @@ struct ChangingArm final : hal::ServoPort {
   double largest = 0.0;  // deflection since the setpoint last changed, units
   int64_t last = 0;
   uint16_t sequence = 0;
+  uint16_t lost_every = 0;  // so many feedbacks one is no good
 
   ChangingArm() {
     config.accelerometer = {0.02, 1e6, 0.05, 1};
@@ -31,6 +32,9 @@ struct ChangingArm final : hal::ServoPort {
   // `share` of the displacement: a rigid one has next to none.
   void become(const Mode& mode, double share = 1.0) {
     config.modes = {{mode, share}};
+    change();
+  }
+  void change() {
     config.start = drive ? drive->motor() : 0;
     config.encoder.seed += 2;
     config.accelerometer.seed += 2;
@@ -45,6 +49,7 @@ struct ChangingArm final : hal::ServoPort {
     last = command.setpoint;
     largest = std::fmax(largest, std::fabs(drive->arm().deflection()));
     feedback.sequence = ++sequence;
+    if (lost_every != 0 && sequence % lost_every == 0) feedback.valid = false;
     return feedback;
   }
 };

@@ -115,6 +115,32 @@ TEST(a_set_that_was_saved_is_what_the_chip_starts_on) {
   TEST_ASSERT_EQUAL_UINT32(11000, chip.get(0x0104));
 }
 
+// Tuned, saved, power off and on: shaped as before, with nothing for a client to do.
+TEST(the_shaper_in_force_when_it_was_saved_is_in_force_on_the_chip) {
+  FlashModel flash;
+  uint32_t delay_us = 0;
+  uint32_t residual = 0;
+  {
+    OnHost host(flash);
+    TEST_ASSERT_EQUAL_UINT32(0, host.write(0x0100, {1, 5, 0x0001, 0xADB0, 11000, 500, 5}));
+    TEST_ASSERT_EQUAL_UINT32(0, host.write_single(0x0130, 1));
+    host.step(100);
+    TEST_ASSERT_EQUAL_UINT32(1, host.get(0x0131));
+    delay_us = host.get_wide(0x0134);
+    residual = host.get(0x0136);
+    host.save();
+  }
+  const PageFiles files(flash);
+  Chip chip(files.arguments());
+  uint32_t state = 2;
+  for (int i = 0; i < 1000 && state == 2; ++i) state = chip.get(0x0131);
+  TEST_ASSERT_EQUAL_UINT32(1, state);
+  TEST_ASSERT_EQUAL_UINT32(delay_us, chip.session.read32(0x0134));
+  TEST_ASSERT_EQUAL_UINT32(residual, chip.get(0x0136));
+  TEST_ASSERT_EQUAL_UINT32(0, chip.get(0x0011));
+  TEST_ASSERT_EQUAL_UINT32(0, chip.get(0x0012));
+}
+
 TEST(a_save_that_was_cut_leaves_the_set_before_it_on_the_chip_too) {
   FlashModel flash;
   {
