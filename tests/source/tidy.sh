@@ -27,10 +27,11 @@ grep -q 'clang-analyzer-core.NullDereference' "$planted/log"
 jobs=$([ $# -gt 1 ] && echo 1 || nproc)
 # The analyzer's paths through the templates of the command line's packages take as long as all else together.
 check() {
-  case $2 in
-    */sim/cli/*) clang-tidy --quiet --checks='-clang-analyzer-*' -p "$1" "$2" ;;
-    *) clang-tidy --quiet -p "$1" "$2" ;;
-  esac
+  if grep -q -E '^#include (<CLI/|"sim/cli/json\.hpp")' "$2"; then
+    clang-tidy --quiet --checks='-clang-analyzer-*' -p "$1" "$2"
+  else
+    clang-tidy --quiet -p "$1" "$2"
+  fi
 }
 export -f check
 printf '%s\0' "${sources[@]}" | xargs -0 -n 1 -P "$jobs" bash -c 'check "$0" "$1"' "$1" 2>&1 |
