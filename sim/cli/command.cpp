@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/cli/command.hpp"
 
+#include <CLI/CLI.hpp>
 #include <cstdio>
 #include <exception>
 #include <filesystem>
@@ -97,12 +98,25 @@ CLI::Option* add_value(CLI::App& app, const std::string& name, std::string& valu
   return app.add_option(name, value, help)->option_text(placeholder);
 }
 
-CLI::Option* add_values(CLI::App& app, const std::string& name, std::vector<std::string>& values,
-                        const std::string& placeholder, const std::string& help) {
-  return app.add_option(name, values, help)
+void add_required(CLI::App& app, const std::string& name, std::string& value, const std::string& placeholder,
+                  const std::string& help) {
+  add_value(app, name, value, placeholder, help)->required();
+}
+
+void add_values(CLI::App& app, const std::string& name, std::vector<std::string>& values,
+                const std::string& placeholder, const std::string& help) {
+  app.add_option(name, values, help)
       ->option_text(placeholder)
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+}
+
+void add_arguments(CLI::App& app, const std::string& name, std::vector<std::string>& values, const std::string& help) {
+  app.add_option(name, values, help)->option_text(" ");
+}
+
+void add_flag(CLI::App& app, const std::string& name, bool& value, const std::string& help) {
+  app.add_flag(name, value, help);
 }
 
 void check_output(const Output& output) {
@@ -126,7 +140,7 @@ int exit_code_of(bool within_limits) {
 }
 
 void add_json(CLI::App& app, Output& output) {
-  app.add_flag("--json", output.json, "print one JSON object instead of a table");
+  add_flag(app, "--json", output.json, "print one JSON object instead of a table");
 }
 
 void add_output(CLI::App& app, Output& output) {

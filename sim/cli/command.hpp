@@ -2,10 +2,15 @@
 // What a command is: a CLI11 subcommand and what to do once all arguments are known to be understood.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <functional>
 #include <string>
 #include <vector>
+
+// Reading CLI11 takes a compiler seconds; what adds its options by the functions below need not.
+namespace CLI {
+class App;
+class Option;
+}  // namespace CLI
 
 namespace stillpoint::cli {
 
@@ -38,11 +43,18 @@ class Commands {
 };
 
 // --NAME VALUE as text: turned into a number by options.hpp, whose refusals say what would be accepted.
+// Without dashes in NAME it is an argument.
 CLI::Option* add_value(CLI::App& app, const std::string& name, std::string& value, const std::string& placeholder,
                        const std::string& help);
+// The same, cannot be left out.
+void add_required(CLI::App& app, const std::string& name, std::string& value, const std::string& placeholder,
+                  const std::string& help);
 // The same, may be repeated.
-CLI::Option* add_values(CLI::App& app, const std::string& name, std::vector<std::string>& values,
-                        const std::string& placeholder, const std::string& help);
+void add_values(CLI::App& app, const std::string& name, std::vector<std::string>& values,
+                const std::string& placeholder, const std::string& help);
+// All arguments that are left.
+void add_arguments(CLI::App& app, const std::string& name, std::vector<std::string>& values, const std::string& help);
+void add_flag(CLI::App& app, const std::string& name, bool& value, const std::string& help);
 void add_output(CLI::App& app, Output& output);
 void add_json(CLI::App& app, Output& output);
 

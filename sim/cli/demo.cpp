@@ -7,6 +7,7 @@
 
 #include "sim/cli/chip.hpp"
 #include "sim/cli/command.hpp"
+#include "sim/cli/json.hpp"
 #include "sim/cli/move_job.hpp"
 #include "sim/cli/move_output.hpp"
 #include "sim/cli/register_values.hpp"

@@ -251,10 +251,10 @@ void add_drive(Commands& commands, Output& output) {
   const auto options = std::make_shared<DriveOptions>();
   CLI::App& app = commands.add("drive", "Speaks Modbus RTU with a drive: a chip, or `emulate`.",
                                [options, &output] { return run(*options, output); });
-  app.add_option("PORT", options->port, "the serial port")->option_text(" ");
-  app.add_option("VERB", options->verb, std::string("one of: ") + kVerbs)->option_text(" ");
-  app.add_option("ARGUMENTS", options->arguments, "get REGISTER..., set REGISTER VALUE, export [FILE], import FILE")
-      ->option_text(" ");
+  add_value(app, "PORT", options->port, " ", "the serial port");
+  add_value(app, "VERB", options->verb, " ", std::string("one of: ") + kVerbs);
+  add_arguments(app, "ARGUMENTS", options->arguments,
+                "get REGISTER..., set REGISTER VALUE, export [FILE], import FILE");
   add_value(app, "--unit", options->unit, "N", "the drive's address");
   add_value(app, "--baud", options->baud, "N", "bits a second");
   add_value(app, "--parity", options->parity, "none|even|odd", "of the port; a pseudo-terminal has none");

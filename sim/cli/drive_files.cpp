@@ -7,6 +7,7 @@
 
 #include "firmware/parameter_store.hpp"
 #include "sim/cli/drive_registers.hpp"
+#include "sim/cli/json.hpp"
 #include "sim/refusal.hpp"
 
 namespace stillpoint::cli {

@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "sim/cli/json.hpp"
+#include "sim/cli/json_fwd.hpp"
 #include "sim/hil/register_port.hpp"
 
 namespace stillpoint::cli {

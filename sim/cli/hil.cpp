@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // `stillpoint hil`: the firmware in the emulator, on the simulated arm, against the host.
+#include <CLI/CLI.hpp>
 #include <memory>
 #include <vector>
 
 #include "sim/cli/command.hpp"
 #include "sim/cli/hil_moves.hpp"
 #include "sim/cli/hil_tune.hpp"
+#include "sim/cli/json.hpp"
 #include "sim/cli/move_job.hpp"
 #include "sim/cli/move_output.hpp"
 #include "sim/cli/register_values.hpp"
@@ -68,7 +70,7 @@ void add_hil(Commands& commands, Output& output) {
                    [options, &output] { return run(*options, output); });
   add_value(app, "--elf", options->elf, "FILE", "the firmware: build/stm32f405/stillpoint.elf");
   add_move_job(app, options->moves);
-  app.add_flag("--tune", options->tune, "the firmware finds the shaper by itself; with the options below");
+  add_flag(app, "--tune", options->tune, "the firmware finds the shaper by itself; with the options below");
   const size_t before = app.get_options().size();
   add_tune_options(app, options->tuning);
   const std::vector<CLI::Option*> all = app.get_options();

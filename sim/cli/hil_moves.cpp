@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include "sim/cli/json.hpp"
 #include "sim/cli/move_output.hpp"
 #include "sim/hash.hpp"
 #include "sim/text.hpp"

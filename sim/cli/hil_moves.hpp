@@ -5,7 +5,7 @@
 #include <string>
 
 #include "sim/cli/chip.hpp"
-#include "sim/cli/json.hpp"
+#include "sim/cli/json_fwd.hpp"
 #include "sim/cli/move_job.hpp"
 
 namespace stillpoint::cli {

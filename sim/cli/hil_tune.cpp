@@ -5,6 +5,7 @@
 
 #include "sim/cli/chip_tune.hpp"
 #include "sim/cli/hil_moves.hpp"
+#include "sim/cli/json.hpp"
 #include "sim/cli/move_output.hpp"
 #include "sim/cli/register_values.hpp"
 #include "sim/cli/tune_output.hpp"

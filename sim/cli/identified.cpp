@@ -8,6 +8,7 @@
 
 #include "shaper/identify/decay_model.hpp"
 #include "shaper/identify/fft.hpp"
+#include "sim/cli/json.hpp"
 #include "sim/cli/table.hpp"
 
 namespace stillpoint::cli {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "shaper/identify/identification.hpp"
-#include "sim/cli/json.hpp"
+#include "sim/cli/json_fwd.hpp"
 #include "sim/cli/plot.hpp"
 
 namespace stillpoint::cli {

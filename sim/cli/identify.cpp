@@ -159,8 +159,8 @@ void add_identify(Commands& commands, Output& output) {
   const auto options = std::make_shared<IdentifyOptions>();
   CLI::App& app = commands.add("identify", "Modes from a record of residual vibration, and how sure they are.",
                                [options, &output] { return run(*options, output); });
-  app.add_option("file", options->file, "CSV, tab-separated or LVM table of numbers")->required()->option_text("FILE");
-  add_value(app, "--rate", options->rate, "HZ", "rows a second")->required();
+  add_required(app, "file", options->file, "FILE", "CSV, tab-separated or LVM table of numbers");
+  add_required(app, "--rate", options->rate, "HZ", "rows a second");
   add_value(app, "--column", options->column, "NAME|INDEX", "the record; index from 0 (default: the last column)");
   add_value(app, "--max-modes", options->most_modes, "N", "modes reported, 1 to 4 (default 3)");
   add_value(app, "--from", options->from, "ROW", "first row, from 0 (default 0): the axis already at rest");

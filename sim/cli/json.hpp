@@ -5,10 +5,9 @@
 #include <optional>
 #include <string>
 
-namespace stillpoint::cli {
+#include "sim/cli/json_fwd.hpp"
 
-// Keeps the order in which keys are added.
-using Json = nlohmann::ordered_json;
+namespace stillpoint::cli {
 
 // A number with exactly these digits, where a double's shortest form would not do.
 Json exact_number(const std::string& decimal);

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <CLI/CLI.hpp>
+
 #include "sim/cli/command.hpp"
 
 int main(int argc, char** argv) {

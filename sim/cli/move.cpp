@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "sim/cli/command.hpp"
+#include "sim/cli/json.hpp"
 #include "sim/cli/move_fastest.hpp"
 #include "sim/cli/move_job.hpp"
 #include "sim/cli/move_output.hpp"

@@ -8,6 +8,7 @@
 #include <optional>
 #include <utility>
 
+#include "sim/cli/json.hpp"
 #include "sim/cli/move_output.hpp"
 #include "sim/cli/progress.hpp"
 #include "sim/fastest.hpp"
@@ -125,12 +126,12 @@ void print_answer(const Answer& answer, const sim::Comparison& comparison) {
 }  // namespace
 
 void add_fastest(CLI::App& app, FastestOptions& options) {
-  app.add_flag("--fastest", options.fastest,
-               "the shaped move is the combination of profile and shaper that is still soonest within the limits");
+  add_flag(app, "--fastest", options.fastest,
+           "the shaped move is the combination of profile and shaper that is still soonest within the limits");
   add_value(app, "--tolerance", options.tolerance, "R",
             "still, for --fastest: tip acceleration at most this part of the plain peak after the move (default 0.05)");
-  app.add_flag("--least-ticks", options.least_ticks,
-               "with --fastest: also the least ticks that any command needs, by linear programming");
+  add_flag(app, "--least-ticks", options.least_ticks,
+           "with --fastest: also the least ticks that any command needs, by linear programming");
 }
 
 void refuse_fastest_alone(const FastestOptions& options) {

@@ -23,8 +23,8 @@ void add_arm(CLI::App& app, MoveJobOptions& options) {
 void add_move_job(CLI::App& app, MoveJobOptions& options) {
   add_move_options(app, options.move);
   add_shaper(app, options.shaper);
-  app.add_flag("--zero-delay", options.zero_delay,
-               "the shaped move ends within --shaped-duration, or --duration, or the least time the limits allow");
+  add_flag(app, "--zero-delay", options.zero_delay,
+           "the shaped move ends within --shaped-duration, or --duration, or the least time the limits allow");
   add_arm(app, options);
 }
 

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sim/cli/json.hpp"
 #include "sim/text.hpp"
 
 namespace stillpoint::cli {

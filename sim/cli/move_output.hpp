@@ -5,7 +5,7 @@
 #include <string>
 
 #include "sim/cli/csv.hpp"
-#include "sim/cli/json.hpp"
+#include "sim/cli/json_fwd.hpp"
 #include "sim/cli/move_job.hpp"
 #include "sim/cli/plot.hpp"
 #include "sim/cli/table.hpp"

@@ -223,11 +223,11 @@ void add_recommend(Commands& commands, Output& output) {
       commands.add("recommend", "The shortest shaper that keeps a band of frequencies, and why others lost.",
                    [options, &output] { return run(*options, output); });
   add_tick(app, options->tick);
-  add_value(app, "--band", options->band, "LO:HI", "frequencies that the arm's mode may have, in Hz")->required();
-  add_value(app, "--damping", options->damping, "Z[:Z2]", "its damping ratio, or the range of it")->required();
+  add_required(app, "--band", options->band, "LO:HI", "frequencies that the arm's mode may have, in Hz");
+  add_required(app, "--damping", options->damping, "Z[:Z2]", "its damping ratio, or the range of it");
   add_value(app, "--tolerance", options->tolerance, "V", "residual tolerated all over the band (default 0.05)");
-  app.add_flag("--optimal", options->optimal,
-               "find the shortest positive train as well, by a linear programme; --csv writes it for custom:F:Z:file=");
+  add_flag(app, "--optimal", options->optimal,
+           "find the shortest positive train as well, by a linear programme; --csv writes it for custom:F:Z:file=");
   add_output(app, output);
 }
 

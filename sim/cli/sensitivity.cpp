@@ -167,8 +167,8 @@ void add_sensitivity(Commands& commands, Output& output) {
                                [options, &output] { return run(*options, output); });
   add_shaper(app, options->shaper);
   add_tick(app, options->tick);
-  add_value(app, "--from", options->from, "HZ", "lowest frequency of the arm")->required();
-  add_value(app, "--to", options->to, "HZ", "highest frequency of the arm")->required();
+  add_required(app, "--from", options->from, "HZ", "lowest frequency of the arm");
+  add_required(app, "--to", options->to, "HZ", "highest frequency of the arm");
   add_value(app, "--points", options->points, "N", "frequencies, both ends included (default 200)");
   add_value(app, "--damping", options->damping, "Z", "damping ratio of the arm (default: the first shaper's)");
   add_output(app, output);

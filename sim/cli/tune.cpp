@@ -8,6 +8,7 @@
 
 #include "sim/cli/command.hpp"
 #include "sim/cli/identified.hpp"
+#include "sim/cli/json.hpp"
 #include "sim/cli/move_output.hpp"
 #include "sim/cli/progress.hpp"
 #include "sim/cli/tune_options.hpp"
@@ -114,7 +115,7 @@ void add_tune(Commands& commands, Output& output) {
       commands.add("tune", "Lets the axis find its arm's modes and its shaper by itself, then moves plain and shaped.",
                    [moves, options, &output] { return run(*moves, *options, output); });
   add_move_job_without_shaper(app, *moves);
-  app.add_flag("--zero-delay", moves->zero_delay, "as in move; here the shaped move has it with and without");
+  add_flag(app, "--zero-delay", moves->zero_delay, "as in move; here the shaped move has it with and without");
   add_tune_options(app, *options);
   add_output(app, output);
 }

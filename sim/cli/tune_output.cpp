@@ -7,6 +7,7 @@
 
 #include "firmware/default_axis.hpp"
 #include "sim/cli/csv.hpp"
+#include "sim/cli/json.hpp"
 #include "sim/cli/register_values.hpp"
 #include "sim/cli/table.hpp"
 #include "sim/text.hpp"

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "sim/cli/identified.hpp"
-#include "sim/cli/json.hpp"
+#include "sim/cli/json_fwd.hpp"
 #include "sim/cli/tune_options.hpp"
 
 namespace stillpoint::cli {
