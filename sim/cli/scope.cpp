@@ -31,7 +31,7 @@ void add_scope(Commands& commands, Output& output) {
   const auto options = std::make_shared<ScopeOptions>();
   CLI::App& app = commands.add("scope", "Draws what `drive PORT scope` has captured.",
                                [options, &output] { return run(*options, output); });
-  app.add_option("file", options->file, "CSV: a time in s, then a column a channel")->required()->option_text("FILE");
+  add_required(app, "file", options->file, "FILE", "CSV: a time in s, then a column a channel");
   add_output(app, output);
 }
 
