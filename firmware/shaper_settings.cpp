@@ -34,7 +34,7 @@ void write_fields(const ShaperSpec& spec, uint32_t (&fields)[5]) {
 
 }  // namespace
 
-void ShaperSettings::begin(AxisCore& axis, Parameters& parameters, Meanwhile meanwhile) {
+void ShaperSettings::begin(AxisCore& axis, Parameters& parameters, const Meanwhile& meanwhile) {
   axis_ = &axis;
   parameters_ = &parameters;
   meanwhile_ = meanwhile;

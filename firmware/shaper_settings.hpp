@@ -23,7 +23,7 @@ class ShaperSettings {
   static constexpr uint32_t kSetInForce = kShaperSets;
 
   // `meanwhile` is called while a design runs; it may call what a register write calls here, but not `service`.
-  void begin(AxisCore& axis, Parameters& parameters, Meanwhile meanwhile);
+  void begin(AxisCore& axis, Parameters& parameters, const Meanwhile& meanwhile);
 
   // Register 0101: this set's registers are shown from now on. What runs does not change.
   void show_set(uint32_t set);

@@ -39,7 +39,7 @@ struct Parameter {
 class BandFit {
  public:
   BandFit(const BandTargets& targets, double damping_ratio, double cycles_a_tick, GridShaper& shaper,
-          Meanwhile meanwhile)
+          const Meanwhile& meanwhile)
       : targets_(targets),
         damping_ratio_(damping_ratio),
         cycles_(cycles_a_tick),

@@ -41,6 +41,6 @@ struct BandTargets {
 
 // Cost: about 300 evaluations of the prototype.
 BandTargets band_targets(const Prototype& prototype, double damping_ratio, double tolerance, double cycles_a_tick,
-                         Meanwhile meanwhile = {});
+                         const Meanwhile& meanwhile = {});
 
 }  // namespace stillpoint

@@ -75,7 +75,7 @@ bool step(Offsets& offsets, double damping_ratio, double log_tolerance, double& 
   return false;
 }
 
-bool solve(Offsets& offsets, double damping_ratio, double tolerance, Meanwhile meanwhile) {
+bool solve(Offsets& offsets, double damping_ratio, double tolerance, const Meanwhile& meanwhile) {
   constexpr double kClose = 1e-11;
   const double log_tolerance = math::log(tolerance);
   for (int i = 0; i < kMostSteps; ++i) {
@@ -101,7 +101,7 @@ Offsets chebyshev_offsets(uint32_t humps, double tolerance) {
 }
 
 // From the least tolerance, where the start is good, up to this one. Returns the last that has a solution.
-double find_along_tolerance(Offsets& offsets, double damping_ratio, double tolerance, Meanwhile meanwhile) {
+double find_along_tolerance(Offsets& offsets, double damping_ratio, double tolerance, const Meanwhile& meanwhile) {
   offsets = chebyshev_offsets(offsets.humps, kMinTolerance);
   if (!solve(offsets, damping_ratio, kMinTolerance, meanwhile)) return 0.0;
   const double reached = follow(offsets, math::log(kMinTolerance), math::log(tolerance), 0.5, 0.001,
@@ -112,7 +112,7 @@ double find_along_tolerance(Offsets& offsets, double damping_ratio, double toler
 }
 
 // Returns `tolerance` where it finds a solution, else a lower one that has.
-double find(Offsets& offsets, double damping_ratio, double tolerance, Meanwhile meanwhile) {
+double find(Offsets& offsets, double damping_ratio, double tolerance, const Meanwhile& meanwhile) {
   offsets = chebyshev_offsets(offsets.humps, tolerance);
   if (solve(offsets, damping_ratio, tolerance, meanwhile)) return tolerance;
   return find_along_tolerance(offsets, damping_ratio, tolerance, meanwhile);
@@ -120,7 +120,8 @@ double find(Offsets& offsets, double damping_ratio, double tolerance, Meanwhile 
 
 }  // namespace
 
-Status make_convolution(uint32_t humps, double damping_ratio, double tolerance, Prototype& out, Meanwhile meanwhile) {
+Status make_convolution(uint32_t humps, double damping_ratio, double tolerance, Prototype& out,
+                        const Meanwhile& meanwhile) {
   Offsets offsets{humps, {}};
   double reached = find(offsets, damping_ratio, tolerance, meanwhile);
   if (reached < tolerance) {

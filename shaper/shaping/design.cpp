@@ -98,7 +98,7 @@ Status check_tick(double tick_s) {
 }
 
 Status realise(const ShaperSpec& spec, double tick_s, GridShaper& shaper, PlacementReport& report,
-               Meanwhile meanwhile) {
+               const Meanwhile& meanwhile) {
   Prototype prototype;
   Status status = make_prototype(spec, prototype, meanwhile);
   if (status.ok()) status = check_frequency(prototype, spec, tick_s);
@@ -171,7 +171,7 @@ Cascade ShaperDesign::cascade() const {
 }
 
 Status add_shaper(const ShaperSpec& spec, double tick_s, ShaperDesign& design, PlacementReport* report,
-                  Meanwhile meanwhile) {
+                  const Meanwhile& meanwhile) {
   PlacementReport placed{0.0, false};
   if (spec.kind == ShaperKind::kNone) {
     if (report != nullptr) *report = placed;

@@ -78,7 +78,7 @@ struct PlacementReport {
 // 625, CV4 887, EI3 1358 (a refusal): 16 s at 168 MHz and two cycles an instruction; the least of nine is 7 to 59. So
 // `meanwhile` is called at least every 43 million. Stack: 17 KB.
 Status add_shaper(const ShaperSpec& spec, double tick_s, ShaperDesign& design, PlacementReport* report = nullptr,
-                  Meanwhile meanwhile = {});
+                  const Meanwhile& meanwhile = {});
 
 // The same with the defaults of ShaperSpec.
 Status add_shaper(ShaperKind kind, const Mode& mode, double tick_s, ShaperDesign& design);

@@ -181,7 +181,7 @@ void equations(const Unknowns& at, double damping_ratio, double log_tolerance, S
 }
 
 // Newton, steps halved while they break the order of things.
-bool solve(Unknowns& at, double damping_ratio, double tolerance, Meanwhile meanwhile) {
+bool solve(Unknowns& at, double damping_ratio, double tolerance, const Meanwhile& meanwhile) {
   constexpr int kMostSteps = 12;
   constexpr double kClose = 1e-12;
   constexpr double kWide = 0.2;  // a change of more is no longer a correction
@@ -206,7 +206,7 @@ bool solve(Unknowns& at, double damping_ratio, double tolerance, Meanwhile meanw
 }
 
 // From the undamped shaper of this tolerance up to the damping, in steps that Newton can follow.
-bool find_along_damping(Unknowns& at, double damping_ratio, double tolerance, Meanwhile meanwhile) {
+bool find_along_damping(Unknowns& at, double damping_ratio, double tolerance, const Meanwhile& meanwhile) {
   at = undamped_start(at.humps, tolerance);
   return follow(at, 0.0, damping_ratio, 0.05, 0.002, [=](Unknowns& trial, double zeta) {
            return solve(trial, zeta, tolerance, meanwhile);
@@ -215,7 +215,7 @@ bool find_along_damping(Unknowns& at, double damping_ratio, double tolerance, Me
 
 // From a small tolerance, for which there is a solution at every damping, up to this one. Returns the last that has
 // one.
-double find_along_tolerance(Unknowns& at, double damping_ratio, double tolerance, Meanwhile meanwhile) {
+double find_along_tolerance(Unknowns& at, double damping_ratio, double tolerance, const Meanwhile& meanwhile) {
   constexpr double kStart = 0.01;
   if (tolerance <= kStart || !find_along_damping(at, damping_ratio, kStart, meanwhile)) return 0.0;
   const double reached = follow(at, math::log(kStart), math::log(tolerance), 0.3, 0.001,
@@ -228,7 +228,7 @@ double find_along_tolerance(Unknowns& at, double damping_ratio, double tolerance
 }  // namespace
 
 Status make_extra_insensitive(uint32_t humps, double damping_ratio, double tolerance, Prototype& out,
-                              Meanwhile meanwhile) {
+                              const Meanwhile& meanwhile) {
   Unknowns at{humps, {}, {}};
   if (!find_along_damping(at, damping_ratio, tolerance, meanwhile)) {
     const double reached = find_along_tolerance(at, damping_ratio, tolerance, meanwhile);

@@ -84,7 +84,7 @@ double band_miss(const BandTargets& targets, double damping_ratio, double cycles
 }
 
 double fit_band(const BandTargets& targets, double damping_ratio, double cycles_a_tick, GridShaper& shaper,
-                Meanwhile meanwhile) {
+                const Meanwhile& meanwhile) {
   BandFit fit(targets, damping_ratio, cycles_a_tick, shaper, meanwhile);
   double miss = fit.measure();
   const bool is_banded = targets.count > 0 && targets.points[0].kind == PointKind::kHump;

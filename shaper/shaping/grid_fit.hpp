@@ -32,7 +32,7 @@ constexpr int kFitStarts = 7;
 constexpr int kFitStepsAStart = 16;
 constexpr int kFitSteps = 48;  // of all
 double fit_band(const BandTargets& targets, double damping_ratio, double cycles_a_tick, GridShaper& shaper,
-                Meanwhile meanwhile = {});
+                const Meanwhile& meanwhile = {});
 
 // What fit_band returns, of a shaper as it stands.
 double band_miss(const BandTargets& targets, double damping_ratio, double cycles_a_tick, GridShaper& shaper);

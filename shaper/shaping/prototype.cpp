@@ -69,7 +69,7 @@ void make_custom(const ShaperSpec& spec, Prototype& out) {
 
 }  // namespace
 
-Status make_prototype(const ShaperSpec& spec, Prototype& out, Meanwhile meanwhile) {
+Status make_prototype(const ShaperSpec& spec, Prototype& out, const Meanwhile& meanwhile) {
   const double zeta = spec.mode.damping_ratio;
   const uint32_t humps = humps_of(spec.kind);
   switch (spec.kind) {

@@ -31,19 +31,19 @@ struct Prototype {
 // which is ZV at 1/4 and ZVD at 1/2; UM-ZV: +1 -1 +1, times by Newton; EI and CV: see the functions below; custom: the
 // train as it is. Refuses kAboveMaximum kTolerance, with one that has a solution, where a damped EI or CV of this
 // tolerance does not exist.
-Status make_prototype(const ShaperSpec& spec, Prototype& out, Meanwhile meanwhile = {});
+Status make_prototype(const ShaperSpec& spec, Prototype& out, const Meanwhile& meanwhile = {});
 
 // Park 2001: h + 1 ZV shapers at (1 -+ k_i) f and, when h + 1 is odd, at f; k such that each hump from the bottom up to
 // the middle is `tolerance`. k at most 0.95. Newton on the logarithms of the humps from Chebyshev's offsets, at most
 // 40 steps; where that fails, in steps of the tolerance. Refuses as above (most seen on the way: 65 Newton runs where
 // it refuses, 17 where not).
 Status make_convolution(uint32_t humps, double damping_ratio, double tolerance, Prototype& out,
-                        Meanwhile meanwhile = {});
+                        const Meanwhile& meanwhile = {});
 
 // n humps, n + 2 impulses, n + 1 zeros of the damped mode, each hump `tolerance`, a hump (n odd) or a zero (n even) at
 // the mode: reference EI without its curve fits. Newton on 3 n + 4 unknowns, continued in damping from the undamped
 // closed form in steps of at most 0.05. Refuses as above.
 Status make_extra_insensitive(uint32_t humps, double damping_ratio, double tolerance, Prototype& out,
-                              Meanwhile meanwhile = {});
+                              const Meanwhile& meanwhile = {});
 
 }  // namespace stillpoint
