@@ -20,7 +20,9 @@ void Application::begin(AxisCore& axis, const Ports& ports) {
   registers_.begin(parts);
   scope_.begin(ports.tune, parameters_, registers_.ticks_per_second());
   keeper_.begin(parts, registers_, ports.memory, ports.restart);
-  client_.begin(*ports.client, static_cast<uint8_t>(parameters_.get(Register::kUnitId)));
+  line_ = {kBauds[parameters_.get(Register::kBaudIndex)],
+           static_cast<LineFormat>(parameters_.get(Register::kLineFormat))};
+  client_.begin(*ports.client, static_cast<uint8_t>(parameters_.get(Register::kUnitId)), frame_silence_ms(line_.baud));
   server_.begin(registers_);
 }
 

@@ -7,6 +7,7 @@
 #include "firmware/control_loop.hpp"
 #include "firmware/drive.hpp"
 #include "firmware/fault_log.hpp"
+#include "firmware/line_settings.hpp"
 #include "firmware/modbus_rtu.hpp"
 #include "firmware/modbus_server.hpp"
 #include "firmware/mode_tracking.hpp"
@@ -47,6 +48,9 @@ class Application {
   // Once, before the first tick. `axis` must have been configured (Axis::configure) by then; its limits become the
   // registers', unless parameters were stored.
   void begin(AxisCore& axis, const Ports& ports);
+
+  // After `begin`: how the client's line is to be set until the next start.
+  LineSettings line() const { return line_; }
 
   // Tick context: once a servo tick (the sync of the servo link, or the chip's timer where the port has no sync).
   void tick();
@@ -94,6 +98,7 @@ class Application {
   ParameterKeeper keeper_ = {};
   RtuPort client_ = {};
   ModbusServer server_ = {};
+  LineSettings line_ = {};
 
   // The tick context's. silence_clock_ runs with the control ticks, and with the own timer while there are none, so
   // that a client is heard before the servo link is up.

@@ -5,15 +5,16 @@
 
 namespace stillpoint::firmware {
 
-void RtuPort::begin(hal::ByteStream& line, uint8_t unit) {
+void RtuPort::begin(hal::ByteStream& line, uint8_t unit, uint32_t silence) {
   line_ = &line;
   unit_ = unit;
+  silence_ = silence;
 }
 
 bool RtuPort::poll(uint32_t now_ticks) {
   send();
   receive(now_ticks);
-  if (length_ == 0 || sending() || now_ticks - last_byte_ticks_ < kFrameSilenceTicks) return false;
+  if (length_ == 0 || sending() || now_ticks - last_byte_ticks_ < silence_) return false;
   if (accept()) return true;
   length_ = 0;
   too_long_ = false;

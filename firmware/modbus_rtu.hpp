@@ -10,11 +10,6 @@
 
 namespace stillpoint::firmware {
 
-// Silence that ends a frame, in steps of the caller's clock (1 ms): more than 2 ms and at most 3, above the 1.75 ms
-// that the specification asks for from 19200 baud on. Gaps inside a frame are not minded below that: USB adapters make
-// them.
-constexpr uint32_t kFrameSilenceTicks = 3;
-
 constexpr uint8_t kBroadcastUnit = 0;
 
 // Only go up, and wrap.
@@ -35,7 +30,8 @@ class RtuPort {
  public:
   static constexpr size_t kMaxFrameBytes = 256;
 
-  void begin(hal::ByteStream& line, uint8_t unit);
+  // `silence`: steps of the clock below, without a byte, that end a frame (frame_silence_ms).
+  void begin(hal::ByteStream& line, uint8_t unit, uint32_t silence);
 
   // True when a request is complete; it stays until `reply`. `now_ticks` may wrap. Not complete while an answer is
   // still going out.
@@ -66,6 +62,7 @@ class RtuPort {
 
   hal::ByteStream* line_ = nullptr;
   uint8_t unit_ = 0;
+  uint32_t silence_ = 0;
   bool too_long_ = false;
   uint32_t last_byte_ticks_ = 0;
   size_t length_ = 0;

@@ -29,6 +29,8 @@ enum class Register : uint16_t {
   kServoLinkLosses = 0x001C,
   kTickOverruns = 0x001E,
   kUnitId = 0x0020,
+  kBaudIndex = 0x0021,
+  kLineFormat = 0x0022,
   kClientWatchdogMs = 0x0023,
   kControlword = 0x0040,
   kStatusword = 0x0041,

@@ -29,6 +29,7 @@ struct DriveOptions {
   std::string unit = "1";
   std::string baud = "115200";
   std::string parity = "even";
+  std::string stop_bits = "1";
   std::string target;
   std::string by;
   ScopeRequest scope;
@@ -241,6 +242,7 @@ int run(const DriveOptions& options, const Output& output) {
   settings.baud = static_cast<int>(sim::parse_integer(options.baud, "--baud", 1200, 4000000));
   settings.unit = static_cast<int>(sim::parse_integer(options.unit, "--unit", 1, 247));
   settings.parity = parity_of(options.parity);
+  settings.stop_bits = static_cast<int>(sim::parse_integer(options.stop_bits, "--stop-bits", 1, 2));
   ModbusPort port(settings);
   return command({options, output, port});
 }
@@ -258,6 +260,7 @@ void add_drive(Commands& commands, Output& output) {
   add_value(app, "--unit", options->unit, "N", "the drive's address");
   add_value(app, "--baud", options->baud, "N", "bits a second");
   add_value(app, "--parity", options->parity, "none|even|odd", "of the port; a pseudo-terminal has none");
+  add_value(app, "--stop-bits", options->stop_bits, "1|2", "of the port");
   add_value(app, "--target", options->target, "COUNTS", "move, scope: where to");
   add_value(app, "--by", options->by, "COUNTS", "move, scope: how far from the target in force");
   add_scope_request(app, options->scope);

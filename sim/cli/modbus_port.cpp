@@ -36,7 +36,8 @@ bool asked(const Ask& ask) {
 }  // namespace
 
 ModbusPort::ModbusPort(const SerialSettings& settings)
-    : modbus_(modbus_new_rtu(settings.device.c_str(), settings.baud, settings.parity, 8, 1), close_port) {
+    : modbus_(modbus_new_rtu(settings.device.c_str(), settings.baud, settings.parity, 8, settings.stop_bits),
+              close_port) {
   const bool open = modbus_ != nullptr && modbus_set_slave(modbus_.get(), settings.unit) == 0 &&
                     modbus_set_response_timeout(modbus_.get(), kAnswerSeconds, 0) == 0 &&
                     modbus_connect(modbus_.get()) == 0;

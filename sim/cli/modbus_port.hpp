@@ -16,6 +16,7 @@ struct SerialSettings {
   std::string device;
   int baud = 115200;
   char parity = 'E';  // N, E, O
+  int stop_bits = 1;
   int unit = 1;
 };
 

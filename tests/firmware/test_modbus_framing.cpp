@@ -12,7 +12,7 @@ struct Framing {
   RtuPort port;
   uint32_t now = UINT32_MAX - 20;  // so that the clock wraps under the tests
 
-  Framing() { port.begin(line, 17); }
+  Framing() { port.begin(line, 17, 3); }
 
   void send(const Bytes& bytes) { line.to_drive.insert(line.to_drive.end(), bytes.begin(), bytes.end()); }
   bool poll_for(uint32_t ticks) {

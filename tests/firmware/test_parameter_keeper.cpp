@@ -86,6 +86,29 @@ TEST_F(Memory, the_unit_id_changes_with_the_next_start) {
   TEST_ASSERT_TRUE(now->exchange({3, 0x00, 0x20, 0, 1}, 42) == Bytes({3, 2, 0, 42}));
 }
 
+TEST_F(Memory, the_line_changes_with_the_next_start) {
+  TEST_ASSERT_EQUAL_UINT32(115200, now->drive.line().baud);
+  TEST_ASSERT_TRUE(now->drive.line().format == firmware::LineFormat::k8E1);
+  TEST_ASSERT_EQUAL_UINT32(6, now->write_single(0x0021, 0));  // locked
+  now->unlock();
+  TEST_ASSERT_EQUAL_UINT32(3, now->write_single(0x0021, 8));
+  TEST_ASSERT_EQUAL_UINT32(3, now->write_single(0x0022, 4));
+  TEST_ASSERT_EQUAL_UINT32(0, now->write(0x0021, {0, 3}));
+  TEST_ASSERT_EQUAL_UINT32(115200, now->drive.line().baud);
+  TEST_ASSERT_EQUAL_UINT32(0, now->command(kSave));
+  TEST_ASSERT_EQUAL_UINT32(kDone, now->result());
+  power_cycle();
+  TEST_ASSERT_EQUAL_UINT32(9600, now->drive.line().baud);
+  TEST_ASSERT_TRUE(now->drive.line().format == firmware::LineFormat::k8N2);
+  // A gap of 4 ms is none at that rate: 3.5 characters are.
+  const Bytes request = framed({1, 3, 0x00, 0x21, 0, 2});
+  now->send({request.begin(), request.begin() + 4});
+  now->step(4);
+  now->send({request.begin() + 4, request.end()});
+  now->step(20);
+  TEST_ASSERT_TRUE(now->answer() == Bytes({3, 4, 0, 0, 0, 3}));
+}
+
 TEST_F(Memory, a_command_is_answered_first_and_done_after) {
   now->unlock();
   TEST_ASSERT_EQUAL_UINT32(0, flash.operations());

@@ -10,6 +10,7 @@
 
 namespace {
 
+using namespace stillpoint::firmware;
 using namespace stillpoint::stm32f405;
 
 struct Line {
@@ -82,20 +83,67 @@ TEST_F(Line, a_byte_received_while_sending_stops_neither) {
   TEST_ASSERT_TRUE(transmit_interrupt_on());
 }
 
-TEST(the_clocks_of_the_chip_make_the_rates_of_its_lines) {
+TEST_F(Line, an_answer_drives_the_line_until_its_last_bit_is_out) {
+  usart.SR = 0;  // the last byte is still in the shift register
+  TEST_ASSERT_FALSE(has_sent_all(usart, false));
+  TEST_ASSERT_EQUAL_UINT32(0, usart.CR1 & Usart::kCr1CompleteInterrupt);
+  TEST_ASSERT_FALSE(has_sent_all(usart, true));
+  TEST_ASSERT_TRUE((usart.CR1 & Usart::kCr1CompleteInterrupt) != 0);
+  usart.SR = Usart::kSrTransmitComplete;
+  TEST_ASSERT_TRUE(has_sent_all(usart, true));
+  TEST_ASSERT_EQUAL_UINT32(0, usart.CR1 & Usart::kCr1CompleteInterrupt);
+  TEST_ASSERT_TRUE((usart.CR1 & Usart::kCr1UsartOn) != 0);
+}
+
+// RM0090 30.3.4: baud = clock / (8 (2 - OVER8) USARTDIV), USARTDIV the mantissa of BRR and 1/16 (OVER8: 1/8) of its low
+// four (three) bits.
+double baud_of(const Usart& usart, double clock_hz) {
+  const bool by_8 = (usart.CR1 & (1U << 15)) != 0;
+  const uint32_t brr = usart.BRR;
+  const double fraction = by_8 ? (brr & 7U) / 8.0 : (brr & 15U) / 16.0;
+  return clock_hz / ((by_8 ? 8.0 : 16.0) * ((brr >> 4) + fraction));
+}
+
+TEST(every_rate_is_made_from_the_crystal_and_all_but_the_last_from_the_internal_oscillator) {
+  for (const uint32_t baud : kBauds) {
+    TEST_INFO("baud", baud);
+    Usart usart{};
+    set_up_usart(usart, 84000000, {baud, LineFormat::k8E1});
+    TEST_ASSERT_DOUBLE_WITHIN(0.0025 * baud, baud, baud_of(usart, 84e6));
+    set_up_usart(usart, 16000000, {baud, LineFormat::k8E1});
+    TEST_ASSERT_DOUBLE_WITHIN((baud == 921600 ? 0.022 : 0.01) * baud, baud, baud_of(usart, 16e6));
+  }
+  for (const double clock_hz : {42e6, 16e6}) {  // the servo link
+    Usart usart{};
+    set_up_usart(usart, static_cast<uint32_t>(clock_hz), {2000000, LineFormat::k8N1});
+    TEST_ASSERT_DOUBLE_WITHIN(0.0, 2e6, baud_of(usart, clock_hz));
+  }
+}
+
+// RM0090 30.6.4 and 30.6.5: M is bit 12 of CR1, PCE bit 10, PS bit 9; STOP bits 13 and 12 of CR2, 10 for two.
+TEST(every_format_has_its_bits) {
   struct Case {
-    uint32_t clock_hz, baud, brr;
-    bool by_8;
+    LineFormat format;
+    uint32_t cr1, cr2;
   };
-  // RM0090 30.3.4: USARTDIV = clock / (8 (2 - OVER8) baud); 12.4 bits, or 12.3 with OVER8.
-  const Case cases[] = {{84000000, 115200, 729, false},    // 115226 baud
-                        {16000000, 115200, 139, false},    // 115108 baud
-                        {42000000, 2000000, 21, false},    // 2 Mbaud
-                        {16000000, 2000000, 0x10, true}};  // 2 Mbaud
+  const Case cases[] = {{LineFormat::k8N1, 0, 0},
+                        {LineFormat::k8E1, 1U << 12 | 1U << 10, 0},
+                        {LineFormat::k8O1, 1U << 12 | 1U << 10 | 1U << 9, 0},
+                        {LineFormat::k8N2, 0, 1U << 13}};
   for (const Case& one : cases) {
     Usart usart{};
-    set_up_usart(usart, one.clock_hz, one.baud, Parity::kNone);
-    TEST_ASSERT_EQUAL_UINT32(one.brr, usart.BRR);
-    TEST_ASSERT_TRUE(((usart.CR1 & Usart::kCr1OversampleBy8) != 0) == one.by_8);
+    usart.CR2 = 3U << 12;
+    set_up_usart(usart, 84000000, {115200, one.format});
+    TEST_ASSERT_EQUAL_UINT32(one.cr1, usart.CR1 & (1U << 12 | 1U << 10 | 1U << 9));
+    TEST_ASSERT_EQUAL_UINT32(one.cr2, usart.CR2);
+  }
+}
+
+// 3.5 characters of 11 bits, or 1.75 ms above 19200 baud; the clock's steps take up to one away.
+TEST(the_silence_that_ends_a_frame_is_the_specifications_at_every_rate) {
+  for (const uint32_t baud : kBauds) {
+    const double least_ms = baud > 19200 ? 1.75 : 3.5 * 11 * 1000.0 / baud;
+    TEST_ASSERT_TRUE(frame_silence_ms(baud) - 1.0 >= least_ms);
+    TEST_ASSERT_TRUE(frame_silence_ms(baud) - 2.0 < least_ms);
   }
 }

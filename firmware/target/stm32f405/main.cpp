@@ -128,7 +128,7 @@ int main() {
   application.begin(axis,
                     {&servo_port(), &client_stream, &watchdog, &fault_memory, &tune_memory, &parameter_flash, restart});
   if (bitten) application.note_fault(firmware::FaultCode::kWatchdog);
-  client_stream.set_up(clock.apb2_hz);
+  client_stream.set_up(clock.apb2_hz, application.line());
   set_up_servo(clock);
   start_systick(clock.core_hz);
   for (;;) application.poll();

@@ -30,6 +30,8 @@ void set_up_pins() {
   rcc().AHB1ENR = rcc().AHB1ENR | Rcc::kAhb1GpioA | Rcc::kAhb1GpioC;
   set_enable_line(false);
   set_field(gpio_c().MODER, 2, kEnablePin, kModeOutput);
+  set_pin(gpio_a(), kDrivePin, false);
+  set_field(gpio_a().MODER, 2, kDrivePin, kModeOutput);
   constexpr uint32_t kUsartPins[] = {2, 3, 9, 10};
   for (const uint32_t pin : kUsartPins) set_up_pin(gpio_a(), pin, kUsartFunction);
 }

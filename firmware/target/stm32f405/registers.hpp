@@ -58,15 +58,19 @@ struct Usart {  // RM0090 30.6
   Register SR, DR, BRR, CR1, CR2, CR3, GTPR;
 
   static constexpr uint32_t kSrReceived = 1u << 5;            // RXNE
+  static constexpr uint32_t kSrTransmitComplete = 1u << 6;    // TC
   static constexpr uint32_t kSrTransmitReady = 1u << 7;       // TXE
   static constexpr uint32_t kCr1ReceiveOn = 1u << 2;          // RE
   static constexpr uint32_t kCr1TransmitOn = 1u << 3;         // TE
   static constexpr uint32_t kCr1ReceiveInterrupt = 1u << 5;   // RXNEIE
+  static constexpr uint32_t kCr1CompleteInterrupt = 1u << 6;  // TCIE
   static constexpr uint32_t kCr1TransmitInterrupt = 1u << 7;  // TXEIE
+  static constexpr uint32_t kCr1ParityOdd = 1u << 9;          // PS
   static constexpr uint32_t kCr1ParityOn = 1u << 10;          // PCE, even while PS is 0
   static constexpr uint32_t kCr1NineBits = 1u << 12;          // M: the word with its parity bit
   static constexpr uint32_t kCr1UsartOn = 1u << 13;           // UE
   static constexpr uint32_t kCr1OversampleBy8 = 1u << 15;     // OVER8
+  static constexpr uint32_t kCr2TwoStops = 2u << 12;          // STOP
 };
 
 struct Timer {  // RM0090 17.4 (TIM1 and TIM8) and 18.4 (TIM2 to TIM5, which have no RCR and no BDTR)

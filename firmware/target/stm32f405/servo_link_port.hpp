@@ -29,7 +29,7 @@ class ServoLinkPort final : public hal::ServoPort {
 
   void set_up(uint32_t apb1_hz) {
     rcc().APB1ENR = rcc().APB1ENR | Rcc::kApb1Usart2;
-    set_up_usart(usart2(), apb1_hz, kBaud, Parity::kNone);
+    set_up_usart(usart2(), apb1_hz, {kBaud, firmware::LineFormat::k8N1});
     enable(Interrupt::kUsart2, Priority::kTick);
   }
 

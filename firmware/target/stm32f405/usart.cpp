@@ -3,11 +3,16 @@
 
 namespace stillpoint::stm32f405 {
 
-void set_up_usart(Usart& usart, uint32_t clock_hz, uint32_t baud, Parity parity) {
-  const uint32_t divider = (clock_hz + baud / 2) / baud;  // clock cycles a bit
-  const uint32_t framing = parity == Parity::kEven ? Usart::kCr1ParityOn | Usart::kCr1NineBits : 0u;
+void set_up_usart(Usart& usart, uint32_t clock_hz, const firmware::LineSettings& line) {
+  const uint32_t divider = (clock_hz + line.baud / 2) / line.baud;  // clock cycles a bit
+  using firmware::LineFormat;
+  const bool odd = line.format == LineFormat::k8O1;
+  const bool parity = odd || line.format == LineFormat::k8E1;
+  const uint32_t framing =
+      (parity ? Usart::kCr1ParityOn | Usart::kCr1NineBits : 0u) | (odd ? Usart::kCr1ParityOdd : 0u);
   uint32_t oversampling = 0;
   usart.CR1 = 0;
+  usart.CR2 = line.format == LineFormat::k8N2 ? Usart::kCr2TwoStops : 0u;
   if (divider >= 16) {
     usart.BRR = divider;
   } else {  // RM0090 30.3.4: with 8 samples a bit the fraction has three bits, and bit 3 stays 0
