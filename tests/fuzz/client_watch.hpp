@@ -126,8 +126,9 @@ class ClientWatch {
 
   void put(uint32_t address, uint32_t value) {
     if (address == 0x0040) {
-      if (!to_all_) asks_on_ = (value & 0x8F) == 0x0F;
-      if ((value & 0x87) == 0x06 || (value & 0x8F) == 0x07) ready_ = true;
+      // Whatever bit 7 is: the drive takes it for the fault reset's alone, and a command beside it as it stands.
+      if (!to_all_) asks_on_ = (value & 0x0F) == 0x0F;
+      if ((value & 0x07) == 0x06 || (value & 0x0F) == 0x07) ready_ = true;
       if ((value & 0x10) != 0) cause(kSetPoint);
     }
     if ((address == 0x0052 || address == 0x0053) && value != 0) cause(kVelocity);
