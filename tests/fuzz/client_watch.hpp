@@ -124,7 +124,16 @@ class ClientWatch {
     }
   }
 
+  // The map's column L, and the keys that do something (drive-map). What goes to all has no answer to tell by.
+  static bool locked(uint32_t address, uint32_t value) {
+    if (address == 0x0014) return value == 0x5341 || value == 0x4C44 || value == 0x5253;
+    return address == 0x0020 || address == 0x0023 || (address >= 0x0056 && address <= 0x005D) || address == 0x0066 ||
+           (address >= 0x006C && address <= 0x006E) || (address >= 0x0074 && address <= 0x0079);
+  }
+
   void put(uint32_t address, uint32_t value) {
+    if (address == 0x0014 && value == 0x554E) unlocked_ = true;
+    if (locked(address, value) && !unlocked_ && !to_all_) fail("a locked register is written without the key");
     if (address == 0x0040) {
       // Whatever bit 7 is: the drive takes it for the fault reset's alone, and a command beside it as it stands.
       if (!to_all_) asks_on_ = (value & 0x0F) == 0x0F;
@@ -214,8 +223,9 @@ class ClientWatch {
   bool last_write_went_ = false;
   size_t answer_bytes_ = 0;
 
-  bool asks_on_ = false;  // the last controlword
-  bool ready_ = false;    // one has led to ready to switch on, or to switched on, since the output stage came on
+  bool asks_on_ = false;   // the last controlword
+  bool unlocked_ = false;  // once; a programme is shorter than the key is good for
+  bool ready_ = false;     // one has led to ready to switch on, or to switched on, since the output stage came on
   uint32_t causes_ = 0;
   bool streamed_ = false;
 
