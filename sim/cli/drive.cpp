@@ -9,6 +9,7 @@
 #include "sim/cli/command.hpp"
 #include "sim/cli/drive_files.hpp"
 #include "sim/cli/drive_registers.hpp"
+#include "sim/cli/drive_tune.hpp"
 #include "sim/cli/json.hpp"
 #include "sim/cli/modbus_port.hpp"
 #include "sim/cli/table.hpp"
@@ -30,9 +31,10 @@ struct DriveOptions {
   std::string parity = "even";
   std::string target;
   std::string by;
+  DriveTuneOptions tune;
 };
 
-constexpr char kVerbs[] = "status enable disable halt stop reset move get set save export import";
+constexpr char kVerbs[] = "status enable disable halt stop reset move tune get set save export import";
 
 struct Call {
   const DriveOptions& options;
@@ -176,6 +178,7 @@ int command(const Call& call) {
   if (verb == "get") return call.argument(0, "a register"), show_values(call, call.options.arguments);
   if (verb == "set") return set_value(call);
   if (verb == "move") return move(call);
+  if (verb == "tune") return tune_drive(call.port, call.options.tune, call.output);
   if (verb == "export") {
     const Json object = exported(call.port);
     if (call.options.arguments.empty()) return print_json(object), 0;
@@ -234,6 +237,7 @@ void add_drive(Commands& commands, Output& output) {
   add_value(app, "--parity", options->parity, "none|even|odd", "of the port; a pseudo-terminal has none");
   add_value(app, "--target", options->target, "COUNTS", "move: where to");
   add_value(app, "--by", options->by, "COUNTS", "move: how far from the target in force");
+  add_drive_tune_options(app, options->tune);
   add_json(app, output);
 }
 
