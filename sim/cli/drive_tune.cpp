@@ -84,10 +84,10 @@ void abort(TuneClient& client) {
 }
 
 // Whatever ends this process's part leaves no drive tuning on by itself.
-TuneState run_or_abort(TuneClient& client, bool propose) {
-  const Interruptible interruptible;
+template <typename Run>
+TuneState or_abort(TuneClient& client, const Run& run) {
   try {
-    return run_watched(client, propose);
+    return run();
   } catch (const sim::Refusal&) {
     try {
       abort(client);
@@ -139,10 +139,13 @@ int tune_drive(sim::RegisterPort& port, const DriveTuneOptions& options, const O
   take_options(options, registers);
   if (!client.client().is_enabled()) client.client().enable();
   Result result{};
+  const Interruptible interruptible;
   client.start(registers);
-  result.first_announced = client.announced();
-  show(result.first_announced, output.json);
-  const TuneState state = run_or_abort(client, options.propose);
+  const TuneState state = or_abort(client, [&] {
+    result.first_announced = client.announced();
+    show(result.first_announced, output.json);
+    return run_watched(client, options.propose);
+  });
   result.report = client.report();
   const bool proposed = state == TuneState::kProposed;
   if (proposed) abort(client);
