@@ -10,6 +10,7 @@
 #include "sim/cli/drive_files.hpp"
 #include "sim/cli/drive_registers.hpp"
 #include "sim/cli/drive_scope.hpp"
+#include "sim/cli/drive_tune.hpp"
 #include "sim/cli/json.hpp"
 #include "sim/cli/modbus_port.hpp"
 #include "sim/cli/table.hpp"
@@ -33,9 +34,10 @@ struct DriveOptions {
   std::string target;
   std::string by;
   ScopeRequest scope;
+  DriveTuneOptions tune;
 };
 
-constexpr char kVerbs[] = "status enable disable halt stop reset move get set save export import scope";
+constexpr char kVerbs[] = "status enable disable halt stop reset move tune scope get set save export import";
 
 struct Call {
   const DriveOptions& options;
@@ -203,6 +205,7 @@ int command(const Call& call) {
   if (verb == "set") return set_value(call);
   if (verb == "move") return move(call);
   if (verb == "scope") return scope(call);
+  if (verb == "tune") return tune_drive(call.port, call.options.tune, call.output);
   if (verb == "export") {
     const Json object = exported(call.port);
     if (call.options.arguments.empty()) return print_json(object), 0;
@@ -264,6 +267,7 @@ void add_drive(Commands& commands, Output& output) {
   add_value(app, "--target", options->target, "COUNTS", "move, scope: where to");
   add_value(app, "--by", options->by, "COUNTS", "move, scope: how far from the target in force");
   add_scope_request(app, options->scope);
+  add_drive_tune_options(app, options->tune);
   add_output(app, output);
 }
 

@@ -126,6 +126,7 @@ TuneRegisters tune_registers_of(const sim::TuneTask& task) {
   registers.tolerance =
       static_cast<uint16_t>(to_register("--tolerance", task.tolerance * kTolerancePerOne, kTolerancePerOne, 10, 2000));
   registers.sensor_highest = sim::highest_reading(task.drive.accelerometer);
+  registers.sensor_lowest = -registers.sensor_highest;
   return registers;
 }
 

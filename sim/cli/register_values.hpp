@@ -38,8 +38,9 @@ struct TuneRegisters {
   uint16_t band_low;   // 0.1 Hz
   uint16_t band_high;
   uint16_t source;
-  uint16_t tolerance;      // 0.01 %
-  int32_t sensor_highest;  // raw steps, either way
+  uint16_t tolerance;     // 0.01 %
+  int32_t sensor_lowest;  // raw steps
+  int32_t sensor_highest;
 };
 TuneRegisters tune_registers_of(const sim::TuneTask& task);
 

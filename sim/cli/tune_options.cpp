@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 
 #include "sim/cli/move_output.hpp"
 #include "sim/refusal.hpp"
@@ -38,14 +39,7 @@ void take_band(const std::string& text, sim::TuneTask& task) {
     task.high_hz = std::min(kHighestHz, kHighestCyclesATick / task.move.tick_s);
     return;
   }
-  const std::vector<std::string> ends = sim::split(text, ':');
-  if (ends.size() != 2) throw sim::bad_argument("--band", text, "not a band, LO:HI in Hz is accepted");
-  task.low_hz = sim::parse_positive(ends[0], "--band");
-  task.high_hz = sim::parse_positive(ends[1], "--band");
-  const double most = kHighestCyclesATick / task.move.tick_s;
-  if (task.low_hz >= task.high_hz || task.high_hz > most) {
-    throw sim::bad_argument("--band", text, "not a band, LO below HI up to " + sim::shortest(most) + " is accepted");
-  }
+  std::tie(task.low_hz, task.high_hz) = band_of(text, kHighestCyclesATick / task.move.tick_s);
 }
 
 // Left out: a little more than the move takes, and a twentieth of it.
@@ -76,6 +70,23 @@ void take_drive(const MoveJob& moves, const TuneOptions& options, sim::Simulated
 
 }  // namespace
 
+TuneExcitation excitation_of(const std::string& text) {
+  return word_of<TuneExcitation>(text, "--excitation", kTuneExcitations);
+}
+
+TuneSource source_of(const std::string& text) { return word_of<TuneSource>(text, "--source", kTuneSources); }
+
+std::pair<double, double> band_of(const std::string& text, double most) {
+  const std::vector<std::string> ends = sim::split(text, ':');
+  if (ends.size() != 2) throw sim::bad_argument("--band", text, "not a band, LO:HI in Hz is accepted");
+  const double low = sim::parse_positive(ends[0], "--band");
+  const double high = sim::parse_positive(ends[1], "--band");
+  if (low >= high || high > most) {
+    throw sim::bad_argument("--band", text, "not a band, LO below HI up to " + sim::shortest(most) + " is accepted");
+  }
+  return {low, high};
+}
+
 void add_tune_options(CLI::App& app, TuneOptions& options) {
   add_value(app, "--excitation", options.excitation, "KIND",
             "what makes the arm ring: auto (default: the move, then what is needed), move, bump, stepped-sine, chirp");
@@ -104,8 +115,8 @@ TuneJob job_of(const MoveJobOptions& moves, const TuneOptions& options) {
   sim::TuneTask& task = job.task;
   task.move = job.moves.plain;
   task.move.zero_delay = true;
-  task.excitation = word_of<TuneExcitation>(options.excitation, "--excitation", kTuneExcitations);
-  task.source = word_of<TuneSource>(options.source, "--source", kTuneSources);
+  task.excitation = excitation_of(options.excitation);
+  task.source = source_of(options.source);
   take_room(options, task);
   take_band(options.band, task);
   task.tolerance = sim::parse_within(options.tolerance, "--tolerance", kMinTolerance, kMaxTolerance);

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <string>
+#include <utility>
 
 #include "sim/cli/csv.hpp"
 #include "sim/cli/move_job.hpp"
@@ -25,6 +26,12 @@ struct TuneOptions {
   std::string seed = "1";
 };
 void add_tune_options(CLI::App& app, TuneOptions& options);
+
+// By the words for them. Each refuses by the option's name.
+TuneExcitation excitation_of(const std::string& text);
+TuneSource source_of(const std::string& text);
+// LO:HI in Hz, with LO below HI, up to `most`.
+std::pair<double, double> band_of(const std::string& text, double most);
 
 struct TuneJob {
   MoveJob moves;  // the shaped one with zero delay; without a shaper until one is found

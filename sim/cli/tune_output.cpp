@@ -33,7 +33,15 @@ int exit_code_of_failure(const TuneReport& report) {
   return 1;
 }
 
-const char* sensor_unit(TuneSource source) { return source == TuneSource::kFollowingError ? "unit" : "unit/s^2"; }
+namespace {
+
+const char* sensor_unit(TuneSource source, const TuneUnits& units) {
+  return source == TuneSource::kFollowingError ? units.following_error : units.acceleration;
+}
+
+}  // namespace
+
+const char* sensor_unit(TuneSource source) { return sensor_unit(source, kUnits); }
 
 Announcement in_units(Announcement announced, const sim::TuneTask& task) {
   const double unit = task.move.counts_per_unit;
@@ -73,22 +81,23 @@ Json json_of(const TuneReport& report) {
           {"verified", {{"plain_ringing", report.plain_ringing}, {"shaped_ringing", report.shaped_ringing}}}};
 }
 
-void print_report(const TuneReport& report) {
+void print_report(const TuneReport& report, const TuneUnits& units) {
   const Announcement& told = report.announced;
-  fmt::print("excited by {}: at most {} unit either way, {} unit/s, {} unit/s^2, for {} s\n",
-             sim::text(report.excited_by), figure(told.travel), figure(told.velocity), figure(told.acceleration),
-             figure(told.duration_s));
-  fmt::print("listened to: {} [{}]; identified: {}\n\n", sim::text(report.source), sensor_unit(report.source),
+  fmt::print("excited by {}: ", sim::text(report.excited_by));
+  fmt::print("at most {1} {0} either way, {2} {0}/s, {3} {0}/s^2, for {4} s\n", units.length, figure(told.travel),
+             figure(told.velocity), figure(told.acceleration), figure(told.duration_s));
+  fmt::print("listened to: {} [{}]; identified: {}\n\n", sim::text(report.source), sensor_unit(report.source, units),
              text(report.identification.finding));
   print_modes(report.identification);
 }
 
-void print_proposal(const TuneReport& report, const std::vector<sim::SpecifiedShaper>& shapers) {
+void print_proposal(const TuneReport& report, const std::vector<sim::SpecifiedShaper>& shapers,
+                    const TuneUnits& units) {
   if (shapers.empty()) return;
   fmt::print("\nshaper: {}\npredicted: residual at most {:.2f} %, delay {} s\n", sim::spec_text(shapers),
              100.0 * report.proposal.residual, figure(report.proposal.delay_s));
   fmt::print("verified: ringing {} {} rms after the plain move, {} after the shaped one\n\n",
-             figure(report.plain_ringing), sensor_unit(report.source), figure(report.shaped_ringing));
+             figure(report.plain_ringing), sensor_unit(report.source, units), figure(report.shaped_ringing));
 }
 
 Json json_of_memory() {

@@ -26,13 +26,23 @@ int exit_code_of_failure(const TuneReport& report);
 
 const char* sensor_unit(TuneSource source);
 
+// What is printed is in these.
+struct TuneUnits {
+  const char* length;
+  const char* following_error;
+  const char* acceleration;
+};
+constexpr TuneUnits kUnits{"unit", "unit", "unit/s^2"};
+constexpr TuneUnits kCounts{"counts", "counts", "raw steps"};  // as the drive has it
+
 // All that is shown is in units.
 Json json_of(const Announcement& announced);
 // What is in the report: `identified`, `source`, `source_enough`, `excited_by`, `announced`, `flaws`, `predicted`,
 // `verified`.
 Json json_of(const TuneReport& report);
-void print_report(const TuneReport& report);
-void print_proposal(const TuneReport& report, const std::vector<sim::SpecifiedShaper>& shapers);
+void print_report(const TuneReport& report, const TuneUnits& units = kUnits);
+void print_proposal(const TuneReport& report, const std::vector<sim::SpecifiedShaper>& shapers,
+                    const TuneUnits& units = kUnits);
 
 // Bytes that the tuner has for itself, and those that it borrows from the axis.
 Json json_of_memory();

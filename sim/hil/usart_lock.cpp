@@ -107,6 +107,22 @@ void UsartLock::wait_for_boot(const hal::ServoFeedback& first) {
 void UsartLock::send(const hal::ServoFeedback& sync) {
   uint8_t frame[servo_link::kSyncBytes];
   servo_link::encode_sync(sync, frame);
+  send_frame(frame);
+}
+
+void UsartLock::send_damaged(const hal::ServoFeedback& sync, uint32_t bit) {
+  uint8_t frame[servo_link::kSyncBytes];
+  servo_link::encode_sync(sync, frame);
+  frame[bit / 8] = static_cast<uint8_t>(frame[bit / 8] ^ 1U << bit % 8);
+  send_frame(frame);
+}
+
+void UsartLock::pause(std::chrono::microseconds time) {
+  deliver_client_bytes();
+  std::this_thread::sleep_for(time);
+}
+
+void UsartLock::send_frame(const uint8_t (&frame)[servo_link::kSyncBytes]) {
   // The other end takes all of it: a socket holds thousands of frames, and at most one is under way.
   if (::send(servo_line_.ours.get(), frame, sizeof frame, MSG_NOSIGNAL) != static_cast<ssize_t>(sizeof frame)) {
     emulator_.refuse_ended();

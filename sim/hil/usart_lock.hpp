@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <string>
@@ -49,10 +50,18 @@ class UsartLock final : public Lock {
   hal::ByteStream& client() override { return client_stream_; }
   std::optional<TickCost> cost() const override { return std::nullopt; }
 
+  // A sync that has come to harm on its way: one bit of it, counted from the first byte's lowest, is turned. There is
+  // no answer to wait for.
+  void send_damaged(const hal::ServoFeedback& sync, uint32_t bit);
+
+  // So long on the host without a sync; the client's line goes on.
+  void pause(std::chrono::microseconds time);
+
  private:
   void wait_for_boot(const hal::ServoFeedback& first);
   void deliver_client_bytes();
   void send(const hal::ServoFeedback& sync);
+  void send_frame(const uint8_t (&frame)[servo_link::kSyncBytes]);
   // Until the reply to that sync; what answers earlier ones is dropped.
   hal::ServoCommand receive(uint16_t sequence);
   bool take_bytes(uint16_t sequence, hal::ServoCommand& command);

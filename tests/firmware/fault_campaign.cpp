@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "tests/firmware/fault_runs.hpp"
+#include "tests/firmware/faulty_drive_on_host.hpp"
 
 namespace {
 
@@ -20,9 +21,10 @@ TEST_HOST(faults_at_any_moment_of_any_move) {
   Random random(seed);
   for (long run = 0; run < runs; ++run) {
     TEST_INFO("run", run);
-    const auto one = std::make_unique<FaultRun>(random, kProvoked[static_cast<size_t>(run) % kProvokedCount]);
-    (*one)();
-    if (one->moved()) ++moved;
+    const auto drive = std::make_unique<FaultyDriveOnHost>();
+    FaultRun one(*drive, random, kProvoked[static_cast<size_t>(run) % kProvokedCount]);
+    one();
+    if (one.moved()) ++moved;
   }
 }
 

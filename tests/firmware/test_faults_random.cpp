@@ -2,6 +2,7 @@
 #include <memory>
 
 #include "tests/firmware/fault_runs.hpp"
+#include "tests/firmware/faulty_drive_on_host.hpp"
 
 namespace {
 
@@ -14,9 +15,10 @@ TEST_HOST(a_hundred_faults_at_any_moment_of_any_move) {
   uint32_t moved = 0;
   for (uint32_t run = 0; run < 100; ++run) {
     TEST_INFO("run", run);
-    const auto one = std::make_unique<FaultRun>(random, kProvoked[run % kProvokedCount]);
-    (*one)();
-    if (one->moved()) ++moved;
+    const auto drive = std::make_unique<FaultyDriveOnHost>();
+    FaultRun one(*drive, random, kProvoked[run % kProvokedCount]);
+    one();
+    if (one.moved()) ++moved;
   }
   TEST_ASSERT_AT_LEAST_INT64(50, moved);
 }

@@ -121,7 +121,7 @@ class Libmodbus:
 
     def drive(self, *arguments):
         answer = subprocess.run([PROGRAM, "drive", self.port, *arguments, "--parity", "none", "--json"],
-                                capture_output=True, text=True, timeout=120, check=False)
+                                capture_output=True, text=True, timeout=300, check=False)
         check(f"drive {' '.join(arguments)} ({answer.stderr.strip()})", 0, answer.returncode)
         return json.loads(answer.stdout)
 
@@ -247,21 +247,13 @@ def scopes(client, target):
         check("the end of the record", target, record[-1])
 
 
-def tunes(client):
-    client.write(0x0201, 1)  # by a move
-    client.write(0x0202, *words(1000000))
-    client.write(0x0204, *words(1000000))
-    client.write(0x0200, 1)
-    until("a proposal", lambda: client.read(0x0208)[0] in (4, 9) or client.read(0x0010) != [0], 240)
-    check("the fault", [0], client.read(0x0010))
-    check("the result", [0], client.read(0x020A))
-    frequency, damping = wide(client, 0x0210) * 1e-4, client.read(0x0212)[0] * 1e-5
-    if abs(frequency / 11 - 1) > 0.005 or abs(damping / 0.11 - 1) > 0.1:
-        raise Failure(f"tuned to {frequency} Hz, {damping}")
-    client.write(0x0200, 3)
-    until("the shaper kept", lambda: client.read(0x0208)[0] in (7, 8, 9), 120)
-    check("the state", [7], client.read(0x0208))
-    check("the shaper's state", [1], client.read(0x0131))
+def tunes(libmodbus):
+    tuned = libmodbus.drive("tune", "--excitation", "move", "--amplitude", "1000000", "--travel", "1000000")
+    check("the tuning's result", "ok", tuned["result"])
+    mode = tuned["identified"]["modes"][0]
+    if abs(mode["frequency_hz"] / 11 - 1) > 0.005 or abs(mode["damping_ratio"] / 0.11 - 1) > 0.1:
+        raise Failure(f"tuned to {mode['frequency_hz']} Hz, {mode['damping_ratio']}")
+    check("the announced travel", 1000000, tuned["first_announced"]["travel"])
 
 
 def drives_everything(port):
@@ -281,8 +273,8 @@ def drives_everything(port):
     move(pymodbus, 0)
     scopes(pymodbus, 200000)
     move(pymodbus, 0)
-    tunes(pymodbus)
     pymodbus.close()
+    tunes(libmodbus)
     halts_and_stops(mbpoll)
     tuned = libmodbus.drive("export")["shaper_sets"][0]["mode-0-frequency"]
     if not 109450 <= tuned <= 110550:

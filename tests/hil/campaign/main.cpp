@@ -77,6 +77,7 @@ Lines lines;
 Axis<firmware::kLineCapacity> axis;
 firmware::Application application;
 TuneMemory tune_memory;
+firmware::FaultMemory fault_memory;
 RecordPort servo_port(lines);
 RecordStream client_stream(lines);
 NoWatchdog watchdog;
@@ -163,7 +164,7 @@ void systick_handler() {
 
 int main() {
   if (!axis.configure(firmware::kDefaultAxis).ok()) fail("the axis refused its configuration");
-  application.begin(axis, {&servo_port, &client_stream, &watchdog, nullptr, &tune_memory});
+  application.begin(axis, {&servo_port, &client_stream, &watchdog, &fault_memory, &tune_memory});
   open_lines();
   const uint32_t before = timer_counts();
   lines.counting_cost = timer_counts() - before;
