@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-#include "firmware/modbus_rtu.hpp"
+#include "firmware/line_settings.hpp"
 #include "tests/firmware/rig.hpp"
 #include "tests/support/random.hpp"
 
@@ -25,7 +25,7 @@ class Flood {
     const size_t end = std::min(frame_.size(), at_ + kBytesPerTick);
     Bytes bytes(frame_.begin() + static_cast<std::ptrdiff_t>(at_), frame_.begin() + static_cast<std::ptrdiff_t>(end));
     at_ = end;
-    if (at_ == frame_.size() && random_.integer(0, 9) != 0) pause_ = firmware::kFrameSilenceTicks;
+    if (at_ == frame_.size() && random_.integer(0, 9) != 0) pause_ = firmware::frame_silence_ms(115200);
     return bytes;
   }
 
