@@ -27,6 +27,9 @@ APART = {"curves": ("built_in_tables", "curve", "curve_plan", "profile_table", "
 
 FLASH, RAM = 0, 1
 
+# Of -fcallgraph-info: a function's mangled name and the file that it is in.
+NODE = re.compile(r'title: "(?:[^":]*:)?(\w[^":]*)" label: "[^"]*?\\n([^"]*?):\d+:\d+\\n')
+
 
 def by_module_of_library(tree):
     sizes = collections.defaultdict(lambda: [0, 0])
@@ -69,15 +72,15 @@ def modules_of_image(tree, name):
         modules[home] = modules[f"{library}({path.name})"] = module_of(home)
         modules |= {symbol.name: module_of(home) for symbol in elf.Elf(path).symbols if symbol.section and symbol.name}
     for path in tree.glob(f"{name}.elf.*.ci"):
-        for function, place in re.findall(r'title: "(?:[^":]*:)?(\w[^":]*)" label: "[^"]*?\\n([^"]*?):\d+:\d+\\n', path.read_text()):
+        for function, place in NODE.findall(path.read_text()):
             modules[function] = module_of(place)
     return modules
 
 
 def by_module_of_image(tree, name):
     modules = modules_of_image(tree, name)
-    symbols = sorted({(symbol.address & ~1, symbol.size, symbol.name) for symbol in elf.Elf(tree / f"{name}.elf").symbols
-                      if symbol.size}, reverse=True)
+    symbols = sorted({(symbol.address & ~1, symbol.size, symbol.name)
+                      for symbol in elf.Elf(tree / f"{name}.elf").symbols if symbol.size}, reverse=True)
     sizes = collections.defaultdict(lambda: [0, 0])
 
     def count(module, size):
