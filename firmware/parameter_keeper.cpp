@@ -71,7 +71,7 @@ uint16_t ParameterKeeper::load_defaults() {
   const Status status = parts_.axis->configure(delivered_);
   if (!status.ok()) return status.error == Error::kBusy ? kReasonNotStanding : reason_of(status.error, status.quantity);
   for (size_t i = 0; i < kParameterCount; ++i) {
-    const Parameter& parameter = kParameters[i];
+    const Parameter parameter = kParameters[i];
     if (!stored(parameter)) continue;
     for (uint32_t set = 0; set < kShaperSets && of_shaper_set(parameter); ++set) {
       parts_.shaper->stage(set, parameter.name, parameter.initial);

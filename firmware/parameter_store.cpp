@@ -44,7 +44,7 @@ void take_entry(uint32_t key, uint32_t value, Parameters& parameters, ShaperSett
   const uint32_t set = key >> 16;
   if (key == kKeyOfSetInForce && value < kShaperSets) in_force = value;
   if (index == kNoParameter || set > kShaperSets) return;
-  const Parameter& parameter = kParameters[index];
+  const Parameter parameter = kParameters[index];
   uint32_t accepted = 0;
   if (address_of(parameter.name) != (key & 0xFFFFU) || !stored(parameter)) return;
   if (!in_range(parameter, parameter.maximum, value, accepted)) return;

@@ -283,17 +283,63 @@ constexpr Entry kTable[kParameterCount] = {
 };
 // clang-format on
 
-constexpr ParameterTable<Parameter> without_texts() {
-  ParameterTable<Parameter> table{};
-  for (size_t i = 0; i < kParameterCount; ++i) table.entry[i] = static_cast<const Parameter&>(kTable[i]);
+constexpr bool are_alike(const Parameter& a, const Parameter& b) {
+  return a.type == b.type && a.access == b.access && a.lock == b.lock && a.effect == b.effect &&
+         a.ceiling == b.ceiling && a.minimum == b.minimum && a.maximum == b.maximum && a.initial == b.initial &&
+         a.allowed == b.allowed;
+}
+
+// Of the first that is like it.
+constexpr size_t like(size_t index) {
+  size_t first = 0;
+  while (!are_alike(kTable[first], kTable[index])) ++first;
+  return first;
+}
+
+constexpr size_t count_kinds() {
+  size_t count = 0;
+  for (size_t i = 0; i < kParameterCount; ++i) count += like(i) == i ? 1U : 0U;
+  return count;
+}
+
+constexpr size_t kKindCount = count_kinds();
+static_assert(kKindCount <= UINT8_MAX + 1);
+
+struct Rows {
+  Register name[kParameterCount];
+  uint8_t kind[kParameterCount];
+  Parameter kinds[kKindCount];  // without names
+};
+
+constexpr Rows by_kind() {
+  Rows rows{};
+  size_t count = 0;
+  for (size_t i = 0; i < kParameterCount; ++i) {
+    rows.name[i] = kTable[i].name;
+    if (like(i) == i) {
+      rows.kinds[count] = static_cast<const Parameter&>(kTable[i]);
+      rows.kinds[count].name = kNoRegister;
+      rows.kind[i] = static_cast<uint8_t>(count++);
+    } else {
+      rows.kind[i] = rows.kind[like(i)];
+    }
+  }
+  return rows;
+}
+
+constexpr Rows kRows = by_kind();
+
+struct Texts {
+  ParameterText of[kParameterCount];
+};
+
+constexpr Texts texts() {
+  Texts table{};
+  for (size_t i = 0; i < kParameterCount; ++i) table.of[i] = kTable[i].told;
   return table;
 }
 
-constexpr ParameterTable<ParameterText> texts() {
-  ParameterTable<ParameterText> table{};
-  for (size_t i = 0; i < kParameterCount; ++i) table.entry[i] = kTable[i].told;
-  return table;
-}
+constexpr Texts kTexts = texts();
 
 constexpr bool addresses_rise_without_overlap() {
   for (size_t i = 1; i < kParameterCount; ++i) {
@@ -314,21 +360,28 @@ static_assert(wide_values_are_even(), "a promise of the register map");
 
 }  // namespace
 
-constexpr ParameterTable<Parameter> kParameters = without_texts();
-constexpr ParameterTable<ParameterText> kParameterTexts = texts();
+Parameter ParameterTable::operator[](size_t index) const {
+  Parameter parameter = kRows.kinds[kRows.kind[index]];
+  parameter.name = kRows.name[index];
+  return parameter;
+}
+
+const ParameterText& text_of(const Parameter& parameter) {
+  return kTexts.of[find_parameter(address_of(parameter.name))];
+}
 
 size_t find_parameter(uint16_t address) {
   size_t low = 0;
   size_t high = kParameterCount;
   while (high - low > 1) {
     const size_t middle = (low + high) / 2;
-    if (address_of(kParameters[middle].name) <= address) {
+    if (address_of(kRows.name[middle]) <= address) {
       low = middle;
     } else {
       high = middle;
     }
   }
-  const Parameter& found = kParameters[low];
+  const Parameter found = kParameters[low];
   const bool covered = address >= address_of(found.name) && address < address_of(found.name) + found.words();
   return covered ? low : kNoParameter;
 }

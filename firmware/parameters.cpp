@@ -44,7 +44,7 @@ void Parameters::adopt_one(Register name, double value) { set(name, whole_regist
 
 void Parameters::lower_to_ceilings() {
   for (size_t i = 0; i < kParameterCount; ++i) {
-    const Parameter& parameter = kParameters[i];
+    const Parameter parameter = kParameters[i];
     if (parameter.ceiling == kNoRegister || parameter.effect == Effect::kAxisLimits) continue;
     const uint32_t ceiling = get(parameter.ceiling);
     if (values_[i] > ceiling) values_[i] = ceiling;

@@ -60,26 +60,35 @@ struct ParameterText {
   uint16_t object;  // of CiA 402, or 0
 };
 
-template <typename T>
+// Sorted by address. A parameter is put together when asked for: many differ in name alone, and what they have in
+// common is in the image once.
 struct ParameterTable {
-  T entry[kParameterCount];
+  class Iterator {
+   public:
+    constexpr explicit Iterator(size_t index) : index_(index) {}
+    Parameter operator*() const { return ParameterTable{}[index_]; }
+    Iterator& operator++() {
+      ++index_;
+      return *this;
+    }
+    bool operator!=(Iterator other) const { return index_ != other.index_; }
 
-  constexpr const T& operator[](size_t index) const { return entry[index]; }
-  constexpr const T* begin() const { return entry; }
-  constexpr const T* end() const { return entry + kParameterCount; }
+   private:
+    size_t index_;
+  };
+
+  Parameter operator[](size_t index) const;
+  Iterator begin() const { return Iterator(0); }
+  Iterator end() const { return Iterator(kParameterCount); }
 };
 
-// Sorted by address. The texts are apart: an image that shows them to nobody does not have them.
-extern const ParameterTable<Parameter> kParameters;
-extern const ParameterTable<ParameterText> kParameterTexts;
-
-// `parameter` is one of kParameters.
-inline const ParameterText& text_of(const Parameter& parameter) {
-  return kParameterTexts[static_cast<size_t>(&parameter - kParameters.begin())];
-}
+constexpr ParameterTable kParameters{};
 
 // The parameter that `address` belongs to (as its only, its high or its low word), or kNoParameter. O(log n).
 size_t find_parameter(uint16_t address);
+
+// Apart from the table: an image that shows the texts to nobody does not have them. `parameter` is one of kParameters.
+const ParameterText& text_of(const Parameter& parameter);
 
 // Whether `value` (the type's bits; a 16-bit signed one sign-extended) lies in [minimum, ceiling] and is allowed;
 // otherwise `accepted` is the nearest bound, or `value` itself where a value within the bounds is not available.

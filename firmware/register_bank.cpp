@@ -217,7 +217,7 @@ uint16_t RegisterBank::key_refusal(uint32_t key) const {
 }
 
 uint32_t RegisterBank::staged(const Request& request, Register name) const {
-  const Parameter& parameter = kParameters[find_parameter(address_of(name))];
+  const Parameter parameter = kParameters[find_parameter(address_of(name))];
   return request.holds(parameter) ? request.value_of(parameter) : parts_.parameters->get(name);
 }
 

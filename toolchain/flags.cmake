@@ -22,7 +22,16 @@ if(CMAKE_CROSSCOMPILING)
   # Leaves out what costs size and gains nothing; shaper/CMakeLists.txt has the exception.
   target_compile_options(stillpoint_freestanding INTERFACE
     -fno-move-loop-invariants -fno-reorder-blocks -fno-schedule-insns2)
-  target_link_options(stillpoint_freestanding INTERFACE -nostdlib -Wl,--gc-sections)
+  target_link_options(stillpoint_freestanding INTERFACE -nostdlib -fno-lto -Wl,--gc-sections)
   # The compiler's own helpers (64-bit and soft-float arithmetic): last in every link, whatever the order of libraries.
   set(CMAKE_CXX_STANDARD_LIBRARIES -lgcc)
+endif()
+
+# `stillpoint_whole`: objects that can be linked as they are, as every user of the library does, or optimised once more
+# as one by an image that links `stillpoint_whole_image`, as the drive's do: 5 % smaller.
+add_library(stillpoint_whole INTERFACE)
+add_library(stillpoint_whole_image INTERFACE)
+if(STILLPOINT_TARGET)
+  target_compile_options(stillpoint_whole INTERFACE -flto -ffat-lto-objects)
+  target_link_options(stillpoint_whole_image INTERFACE -flto -flto-partition=one -fcallgraph-info=su)
 endif()

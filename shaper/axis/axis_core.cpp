@@ -30,7 +30,8 @@ void AxisCore::hand_over_move(PendingMove what, uint32_t epoch) {
   store(pending_move_, what);
 }
 
-Signal AxisCore::tick(bool commit) {
+// Out of line also where an image is optimised as a whole: the checks of the tick look for it there.
+[[gnu::noinline]] Signal AxisCore::tick(bool commit) {
   if (load(stop_requested_) != 0) {
     store(stop_requested_, 0);
     begin_stop();

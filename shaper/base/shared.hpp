@@ -8,8 +8,10 @@
 namespace stillpoint {
 
 // After `load` has seen a value, it sees all that was written before the `store` of that value.
-inline uint32_t load(const uint32_t& word) { return __atomic_load_n(&word, __ATOMIC_ACQUIRE); }
-inline void store(uint32_t& word, uint32_t value) { __atomic_store_n(&word, value, __ATOMIC_RELEASE); }
+[[gnu::always_inline]] inline uint32_t load(const uint32_t& word) { return __atomic_load_n(&word, __ATOMIC_ACQUIRE); }
+[[gnu::always_inline]] inline void store(uint32_t& word, uint32_t value) {
+  __atomic_store_n(&word, value, __ATOMIC_RELEASE);
+}
 
 // A value of any size that the tick writes and the background reads whole. Zero-initialised storage holds T{}.
 template <typename T>

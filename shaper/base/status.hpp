@@ -70,6 +70,17 @@ struct [[nodiscard]] Status {
   double value = 0.0;     // the value refused, in the unit it was given in
   double accepted = 0.0;  // the nearest value that would have been accepted, same unit; 0 where there is none
 
+  constexpr Status() = default;
+  constexpr Status(const Status&) = default;
+  // Out of line: it is assigned in a hundred places.
+  [[gnu::noinline]] constexpr Status& operator=(const Status& other) {
+    error = other.error;
+    quantity = other.quantity;
+    value = other.value;
+    accepted = other.accepted;
+    return *this;
+  }
+
   constexpr bool ok() const { return error == Error::kNone; }
 };
 

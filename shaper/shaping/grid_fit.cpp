@@ -83,8 +83,9 @@ double band_miss(const BandTargets& targets, double damping_ratio, double cycles
   return BandFit(targets, damping_ratio, cycles_a_tick, shaper, {}).reported();
 }
 
-double fit_band(const BandTargets& targets, double damping_ratio, double cycles_a_tick, GridShaper& shaper,
-                const Meanwhile& meanwhile) {
+// Out of line: as a part of its caller it would take its stack all the time.
+[[gnu::noinline]] double fit_band(const BandTargets& targets, double damping_ratio, double cycles_a_tick,
+                                  GridShaper& shaper, const Meanwhile& meanwhile) {
   BandFit fit(targets, damping_ratio, cycles_a_tick, shaper, meanwhile);
   double miss = fit.measure();
   const bool is_banded = targets.count > 0 && targets.points[0].kind == PointKind::kHump;

@@ -106,7 +106,7 @@ int show_values(const Call& call, const std::vector<std::string>& names) {
   Json values = {{"result", "ok"}};
   Table table({"register", "value", "unit"});
   for (const std::string& name : names) {
-    const firmware::Parameter& parameter = parameter_named(name);
+    const firmware::Parameter parameter = parameter_named(name);
     const int64_t value = read_parameter(call.port, parameter);
     values[name_of(parameter)] = value;
     table.row({name_of(parameter), std::to_string(value), firmware::text_of(parameter).unit});
@@ -120,7 +120,7 @@ int show_values(const Call& call, const std::vector<std::string>& names) {
 }
 
 int set_value(const Call& call) {
-  const firmware::Parameter& parameter = parameter_named(call.argument(0, "a register and a value"));
+  const firmware::Parameter parameter = parameter_named(call.argument(0, "a register and a value"));
   const int64_t value = sim::parse_integer(call.argument(1, "a value"), name_of(parameter), INT32_MIN, UINT32_MAX);
   if (parameter.lock == firmware::Lock::kNeedsKey) unlock(call.port);
   write_parameter(call.port, parameter, value);

@@ -21,7 +21,7 @@ using firmware::Register;
 
 Json values_of(sim::RegisterPort& port, bool staged) {
   Json values = Json::object();
-  for (const Parameter& parameter : kParameters) {
+  for (const Parameter parameter : kParameters) {
     if (firmware::stored(parameter) && firmware::of_shaper_set(parameter) == staged) {
       values[name_of(parameter)] = read_parameter(port, parameter);
     }
@@ -37,7 +37,7 @@ struct Setting {
 std::vector<Setting> settings_in(const Json& values, bool staged) {
   std::vector<Setting> settings;
   for (const auto& [name, value] : values.items()) {
-    const Parameter& parameter = parameter_named(name);
+    const Parameter parameter = parameter_named(name);
     if (!firmware::stored(parameter) || firmware::of_shaper_set(parameter) != staged)
       throw sim::bad_argument("setting", name, "not one of these, those of an export are accepted");
     if (!value.is_number_integer())

@@ -43,7 +43,7 @@ std::string plain_name(const Parameter& parameter) {
 const std::map<std::string, int>& uses_of_names() {
   static const std::map<std::string, int> kUses = [] {
     std::map<std::string, int> counted;
-    for (const Parameter& parameter : firmware::kParameters) ++counted[plain_name(parameter)];
+    for (const Parameter parameter : firmware::kParameters) ++counted[plain_name(parameter)];
     return counted;
   }();
   return kUses;
@@ -56,8 +56,8 @@ std::string name_of(const Parameter& parameter) {
   return uses_of_names().at(name) == 1 ? name : fmt::format("{}-{:04x}", name, address_of(parameter.name));
 }
 
-const Parameter& parameter_named(const std::string& name) {
-  for (const Parameter& parameter : firmware::kParameters) {
+Parameter parameter_named(const std::string& name) {
+  for (const Parameter parameter : firmware::kParameters) {
     if (name == name_of(parameter)) return parameter;
     if (name.size() == 4 && fmt::format("{:04x}", address_of(parameter.name)) == name) return parameter;
     if (name.size() == 4 && fmt::format("{:04X}", address_of(parameter.name)) == name) return parameter;

@@ -16,7 +16,7 @@ namespace stillpoint::cli {
 std::string name_of(const firmware::Parameter& parameter);
 
 // By that name, or by its address in four hexadecimal digits. Throws a Refusal.
-const firmware::Parameter& parameter_named(const std::string& name);
+firmware::Parameter parameter_named(const std::string& name);
 
 // As the type has it: signed where that is.
 int64_t read_parameter(sim::RegisterPort& port, const firmware::Parameter& parameter);

@@ -89,12 +89,12 @@ Beside the table:
 int run(const Output& output) {
   if (output.json) {
     Json all = Json::array();
-    for (const Parameter& parameter : firmware::kParameters) all.push_back(json_of(parameter));
+    for (const Parameter parameter : firmware::kParameters) all.push_back(json_of(parameter));
     print_json({{"result", "ok"}, {"registers", all}});
     return 0;
   }
   fmt::print("{}", kHead);
-  for (const Parameter& parameter : firmware::kParameters) {
+  for (const Parameter parameter : firmware::kParameters) {
     fmt::print("| {:04X} | {} | {} | {} | {} | {} | {} | {} | {} |\n", firmware::address_of(parameter.name),
                name_of(parameter), type_text(parameter.type), firmware::text_of(parameter).unit, range_text(parameter),
                access_text(parameter), number(parameter, parameter.initial), object_text(parameter),

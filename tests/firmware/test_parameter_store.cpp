@@ -52,7 +52,7 @@ struct Boot {
   void randomise(Random& random) {
     shaper.show_set(static_cast<uint32_t>(random.integer(0, kShaperSets - 1)));
     for (size_t i = 0; i < kParameterCount; ++i) {
-      const Parameter& parameter = kParameters[i];
+      const Parameter parameter = kParameters[i];
       if (!stored(parameter)) continue;
       const uint32_t sets = of_shaper_set(parameter) ? kShaperSets : 1;
       for (uint32_t set = 0; set < sets; ++set) {

@@ -27,7 +27,7 @@ TEST(every_address_finds_the_parameter_that_covers_it_and_no_other) {
 }
 
 TEST(every_default_is_in_its_own_range_and_every_parameter_has_a_name) {
-  for (const Parameter& parameter : kParameters) {
+  for (const Parameter parameter : kParameters) {
     TEST_INFO("address", address_of(parameter.name));
     uint32_t accepted = 0;
     TEST_ASSERT_TRUE(text_of(parameter).text[0] != '\0');

@@ -27,6 +27,9 @@ APART = {"curves": ("built_in_tables", "curve", "curve_plan", "profile_table", "
 
 FLASH, RAM = 0, 1
 
+# Of -fcallgraph-info: a function's mangled name and the file that it is in.
+NODE = re.compile(r'title: "(?:[^":]*:)?(\w[^":]*)" label: "[^"]*?\\n([^"]*?):\d+:\d+\\n')
+
 
 def by_module_of_library(tree):
     sizes = collections.defaultdict(lambda: [0, 0])
@@ -53,38 +56,61 @@ def by_module_of_library(tree):
     return sizes
 
 
-def module_of(file, tree, modules):
-    """The module that an object, or a member of an archive, belongs to."""
-    archive = re.fullmatch(r"(.*)\((.*)\)", file)
-    if not archive:
-        return "firmware/target" if file.endswith(".obj") else file
-    library = pathlib.Path(archive[1]).name
-    if library.startswith("libstillpoint_"):
-        return modules.get((library, archive[2]), library)
-    return library.removesuffix(".a")
+def module_of(path):
+    """Of a source file or an object: its folder, less what the build tree puts before and between."""
+    folder = pathlib.PurePath(re.sub(r"CMakeFiles/[^/]*\.dir/", "", path)).parent.as_posix()
+    return re.sub(r"^.*(?=\b(shaper|firmware)\b)", "", folder).removesuffix("/stm32f405")
+
+
+def modules_of_image(tree, name):
+    """{function, object or file: module}: of what was compiled as a whole, functions as the compiler says where they
+    are, objects as the single objects that were compiled first do."""
+    modules = {}
+    for path in [*(tree / "shaper").rglob("*.obj"), *(tree / "firmware").rglob("*.obj")]:
+        home = path.relative_to(tree).as_posix()
+        library = re.sub(r"/CMakeFiles/(.*?)\.dir/.*", r"/lib\1.a", home)
+        modules[home] = modules[f"{library}({path.name})"] = module_of(home)
+        modules |= {symbol.name: module_of(home) for symbol in elf.Elf(path).symbols if symbol.section and symbol.name}
+    for path in tree.glob(f"{name}.elf.*.ci"):
+        for function, place in NODE.findall(path.read_text()):
+            modules[function] = module_of(place)
+    return modules
 
 
 def by_module_of_image(tree, name):
-    modules = {}
-    for folder, library in (("shaper", "libstillpoint_shaper.a"), ("firmware", "libstillpoint_firmware.a")):
-        for home in (tree / folder / "CMakeFiles").glob("*.dir"):
-            for path in home.rglob("*.obj"):
-                modules[library, path.name] = (pathlib.Path(folder) / path.relative_to(home).parent).as_posix()
+    modules = modules_of_image(tree, name)
+    symbols = sorted({(symbol.address & ~1, symbol.size, symbol.name)
+                      for symbol in elf.Elf(tree / f"{name}.elf").symbols if symbol.size}, reverse=True)
     sizes = collections.defaultdict(lambda: [0, 0])
+
+    def count(module, size):
+        if output not in (".bss", ".noinit"):
+            sizes[module][FLASH] += size
+        if output in (".bss", ".noinit", ".data"):
+            sizes[module][RAM] += size
+
     text = (tree / f"{name}.map").read_text().split("Linker script and memory map")[1]
     output = None
     # A name too long for its column goes on in the next line.
     for line in re.sub(r"(?m)^( \S+)\n +(?=0x)", r"\1 ", text).splitlines():
         if line[:1] == ".":
             output = line.split()[0]
-        part = re.fullmatch(r" (\S+) +0x[0-9a-f]+ +0x([0-9a-f]+)(?: (.*))?", line)
+        part = re.fullmatch(r" (\S+) +0x([0-9a-f]+) +0x([0-9a-f]+)(?: (.*))?", line)
         if not part or output not in (".vectors", ".text", ".rodata", ".data", ".bss", ".noinit", ".ARM.exidx"):
             continue
-        used = sizes["(alignment)" if part[1] == "*fill*" else module_of(part[3] or "(linker)", tree, modules)]
-        if output not in (".bss", ".noinit"):
-            used[FLASH] += int(part[2], 16)
-        if output in (".bss", ".noinit", ".data"):
-            used[RAM] += int(part[2], 16)
+        at, end, file = int(part[2], 16), int(part[2], 16) + int(part[3], 16), part[4] or "(linker)"
+        if "ltrans" in file:
+            inside = end
+            for address, size, symbol in symbols:
+                if at <= address and address + size <= inside:
+                    inside = address
+                    end -= size
+                    count(modules.get(symbol, modules.get(symbol.split(".")[0], "(unknown)")), size)
+            count("(constants, alignment)", end - at)
+        elif part[1] == "*fill*":
+            count("(constants, alignment)", end - at)
+        else:
+            count(modules.get(file, pathlib.Path(file.split("(")[0]).name.removesuffix(".a")), end - at)
     return sizes
 
 
