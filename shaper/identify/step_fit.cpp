@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "shaper/identify/step_fit.hpp"
+
+namespace stillpoint {
+
+namespace {
+
+constexpr double kForgotten = 1e-4;  // of a ringing's energy, after a block
+constexpr double kLasting = 0.3;
+constexpr double kIndependent = 1e-6;  // of a column, what others leave of it
+constexpr double kTellable = 0.04;     // of a factor, from 1, squared: a trend is none
+constexpr uint32_t kLeastFreedom = 2;
+constexpr Complex kOne{1.0, 0.0};
+
+}  // namespace
+
+double BlockColumn::times(const BlockColumn& other) const {
+  double sum = 0.0;
+  for (uint32_t b = 0; b < Excitation::kSteppedBlocks; ++b)
+    sum += block[b].re * other.block[b].re + block[b].im * other.block[b].im;
+  return sum;
+}
+
+void BlockColumn::take_off(const BlockColumn& other, double power) {
+  const double factor = times(other) / power;
+  for (uint32_t b = 0; b < Excitation::kSteppedBlocks; ++b) block[b] = block[b] - factor * other.block[b];
+}
+
+StepFit::StepFit(const BlockColumn& values) : rest_(values) {
+  for (uint32_t b = 0; b < kBlocks; ++b) {
+    constant_[0].block[b] = kOne;
+    constant_[1].block[b] = {0.0, 1.0};
+  }
+}
+
+void StepFit::take_off_unknown() {
+  Complex product{0.0, 0.0};
+  double power = 0.0;
+  for (uint32_t b = 0; b + 2 < kBlocks; ++b) {
+    const Complex change = rest_.block[b + 1] - rest_.block[b];
+    product += conjugate(change) * (rest_.block[b + 2] - rest_.block[b + 1]);
+    power += square_of(change);
+  }
+  if (!(power > 0.0)) return;
+  Complex factor = (1.0 / power) * product;
+  const double size = square_of(factor);
+  if (size > 1.0) factor = (1.0 / math::sqrt(size)) * factor;
+  if (square_of(factor - kOne) < kTellable) return;
+  take_off_decay(factor, kOne, {0.0, 0.0}, false);
+  freedom_ -= 2;
+}
+
+// The ringing is real, so its mirror in the frequencies comes with it.
+void StepFit::take_off(const IdentifiedMode& mode, double turn, double tick_s, double ticks) {
+  const double angle = 2.0 * math::kPi * mode.frequency_hz * tick_s;
+  const double decay = -angle * mode.damping_ratio;
+  const double damped = angle * math::sqrt(1.0 - math::square(mode.damping_ratio));
+  const Complex factor = math::exp(Complex{ticks * decay, ticks * damped});
+  const double lasts = square_of(factor);
+  if (lasts < kForgotten) return;
+  const Complex own = (factor - kOne) / (math::exp(Complex{decay, damped - turn}) - kOne);
+  const Complex mirror = (conjugate(factor) - kOne) / (math::exp(Complex{decay, -damped - turn}) - kOne);
+  const Complex unit{0.0, 1.0 / math::sqrt(square_of(own) + square_of(mirror))};
+  take_off_decay(factor, unit * own, unit * mirror, false);
+  if (lasts > kLasting) take_off_decay(factor, unit * own, unit * mirror, true);
+}
+
+// d own factor^b + d* mirror factor*^b for any d; with `slope` times b.
+void StepFit::take_off_decay(const Complex& factor, Complex own, Complex mirror, bool slope) {
+  BlockColumn columns[2];
+  for (uint32_t b = 0; b < kBlocks; ++b) {
+    const double times = slope ? b : 1.0;
+    columns[0].block[b] = times * (own + mirror);
+    const Complex difference = times * (own - mirror);
+    columns[1].block[b] = {-difference.im, difference.re};
+    own = factor * own;
+    mirror = conjugate(factor) * mirror;
+  }
+  for (BlockColumn& column : columns) {
+    for (uint32_t k = 0; k < decays_; ++k) column.take_off(decay_[k], power_[k]);
+    const double power = column.times(column);
+    if (freedom_ <= kLeastFreedom || !(power > kIndependent)) continue;
+    rest_.take_off(column, power);
+    constant_[0].take_off(column, power);
+    constant_[1].take_off(column, power);
+    power_[decays_] = power;
+    decay_[decays_++] = column;
+    --freedom_;
+  }
+}
+
+void StepFit::report(BinAnswer& answer) const {
+  const double aa = constant_[0].times(constant_[0]);
+  const double ab = constant_[0].times(constant_[1]);
+  const double bb = constant_[1].times(constant_[1]);
+  const double a = constant_[0].times(rest_);
+  const double b = constant_[1].times(rest_);
+  const double determinant = aa * bb - ab * ab;
+  answer.re = (bb * a - ab * b) / determinant;
+  answer.im = (aa * b - ab * a) / determinant;
+  const double left = math::greater(rest_.times(rest_) - answer.re * a - answer.im * b, 0.0);
+  answer.spread = math::sqrt(0.5 * left * (aa + bb) / (freedom_ * determinant));
+}
+
+}  // namespace stillpoint
