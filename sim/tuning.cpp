@@ -51,10 +51,6 @@ class Bench {
     TunePlan plan{};
     const Status planned =
         plan_tuning(rig_->axis, config_, TuneMemory::kSamples, firmware::kLineCapacity, rig_->memory.excitation, plan);
-    if (planned.error == Error::kNotAvailable && planned.quantity == Quantity::kKind) {
-      throw bad_argument("excitation", text(config_.excitation),
-                         "not available, auto, move, bump and stepped-sine are accepted");
-    }
     check(planned);
     check(rig_->tune.start(config_, &tuning_.first_announced));
     const TuneReport& report = rig_->tune.report();

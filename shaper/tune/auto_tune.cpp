@@ -84,7 +84,9 @@ uint32_t AutoTune::progress_percent() const {
   const uint32_t reached = kPercent[static_cast<uint32_t>(report_.state)];
   if (answered_ && reached < 40) return 50;
   if (step_ != Step::kListen) return reached;
-  if (load(hears_) != 0) return reached + 38 * memory_->excitation.step() / memory_->excitation.steps();
+  const SineMemory& sine = memory_->sine;
+  if (load(hears_) == kHearsChirp) return reached + 38 * sine.chirp.progress_percent() / 100;
+  if (load(hears_) == kHearsSine) return reached + 38 * sine.excitation.step() / sine.excitation.steps();
   const uint32_t part = capture_.samples() / (plan_.listen.samples / 25 + 1);
   return capture_.state() == CaptureState::kRunning ? reached + part : reached;
 }
@@ -206,16 +208,22 @@ Status AutoTune::start_listening() {
 }
 
 void AutoTune::start_hearing() {
-  memory_->sine.bins.start();
+  const bool is_chirp = by_ == TuneExcitation::kChirp;
+  const double tick_s = axis_->config().tick_s;
+  if (is_chirp) {
+    memory_->sine.chirp.start(memory_->excitation, config_.low_hz * tick_s, config_.high_hz * tick_s);
+  } else {
+    memory_->sine.bins.start();
+  }
   store(clipped_, 0);
   store(gaps_, 0);
-  store(hears_, 1);
+  store(hears_, is_chirp ? kHearsChirp : kHearsSine);
   store(listens_, 1);
 }
 
 void AutoTune::stop_listening() {
   store(listens_, 0);
-  store(hears_, 0);
+  store(hears_, kRecords);
   store(stream_, kNoStream);
   watch_.disarm();
   capture_.stop();
@@ -227,7 +235,7 @@ void AutoTune::listen() {
     if (!axis_->halt(config_.move.limits, nullptr).ok()) axis_->request_stop();
   }
   const CaptureState state = capture_.state();
-  if (load(hears_) != 0) {
+  if (load(hears_) != kRecords) {
     if (!at_rest()) return;
     report_.state = TuneState::kIdentifying;
     step_ = Step::kLook;

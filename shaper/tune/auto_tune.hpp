@@ -8,6 +8,7 @@
 #include "shaper/axis/axis_core.hpp"
 #include "shaper/base/meanwhile.hpp"
 #include "shaper/identify/capture.hpp"
+#include "shaper/identify/chirp_bins.hpp"
 #include "shaper/identify/excitation.hpp"
 #include "shaper/identify/identify.hpp"
 #include "shaper/identify/stepped_sine.hpp"
@@ -61,10 +62,13 @@ struct TuneSample {
   bool fresh;  // position and acceleration are new
 };
 
-// What a sine needs instead of a record.
+// What a sine or a chirp needs instead of a record.
 struct SineMemory {
   Excitation excitation;
-  SteppedBins bins;
+  union {
+    SteppedBins bins;
+    ChirpBins chirp;
+  };
   BinAnswer answers[kMostBins];
   ResponseScratch scratch;
 };
@@ -135,6 +139,7 @@ class AutoTune {
 
  private:
   enum : uint32_t { kNoStream, kStreams, kStreamOver };
+  enum : uint32_t { kRecords, kHearsSine, kHearsChirp };
   enum class Step : uint8_t { kNone, kUnshape, kMove, kListen, kLook, kApply, kRestore };
 
   uint32_t progress_percent() const;
@@ -151,6 +156,7 @@ class AutoTune {
   void listen();
   void look(const Meanwhile& meanwhile);
   void look_at_answers(const Meanwhile& meanwhile);
+  Status identify_answers(const Meanwhile& meanwhile);
   bool record_is_flawed();
   void give_up_record(Finding finding);
   void look_at_plain(const Record& record, const IdentifyScratch& scratch, const Meanwhile& meanwhile);
@@ -192,7 +198,7 @@ class AutoTune {
   // Shared with the tick.
   uint32_t listens_ = 0;
   uint32_t stream_ = 0;       // kNoStream and so on
-  uint32_t hears_ = 0;        // bins, and no record
+  uint32_t hears_ = 0;        // kRecords and so on
   uint32_t gaps_ = 0;         // of what is heard, ticks
   uint32_t to_error_ = 0;     // the following error, not the accelerometer
   uint32_t accelerates_ = 0;  // the accelerometer has read two different values

@@ -59,7 +59,7 @@ void AutoTune::give_up_record(Finding finding) {
 
 void AutoTune::look(const Meanwhile& meanwhile) {
   report_.source = load(to_error_) != 0 ? TuneSource::kFollowingError : TuneSource::kAccelerometer;
-  if (load(hears_) != 0) return look_at_answers(meanwhile);
+  if (load(hears_) != kRecords) return look_at_answers(meanwhile);
   if (record_is_flawed()) return;
   size_t size = 0;
   double* const memory = axis_->lend_memory(size);
@@ -76,19 +76,27 @@ void AutoTune::look(const Meanwhile& meanwhile) {
   stop_listening();
 }
 
+Status AutoTune::identify_answers(const Meanwhile& meanwhile) {
+  SineMemory& memory = memory_->sine;
+  Identification& found = report_.identification;
+  const double tick_s = axis_->config().tick_s;
+  const bool to_error = report_.source == TuneSource::kFollowingError;
+  const ResponseConfig config{to_error ? 0U : 2U, kAnswerTicks * tick_s, kMostResponseModes};
+  if (by_ == TuneExcitation::kSteppedSine)
+    return identify_stepped(memory.bins, memory.excitation, tick_s, config, memory.answers, memory.scratch, found,
+                            meanwhile);
+  const uint32_t count = memory.chirp.answers(memory.excitation, tick_s, memory.answers, meanwhile);
+  return identify_response(memory.answers, count, config, memory.scratch, found, meanwhile);
+}
+
 // Another sine would take as long and tell no more.
 void AutoTune::look_at_answers(const Meanwhile& meanwhile) {
-  SineMemory& memory = memory_->sine;
   Identification& found = report_.identification;
   report_.flaws = CaptureFlaws{load(gaps_), load(clipped_), 0};
   stop_listening();
   if (report_.flaws.saturated != 0) return fail(Finding::kSaturated);
-  if (report_.flaws.gaps > kMostGaps * memory.excitation.ticks()) return fail(Finding::kNoisy);
-  const double tick_s = axis_->config().tick_s;
-  const bool to_error = report_.source == TuneSource::kFollowingError;
-  const ResponseConfig config{to_error ? 0U : 2U, kAnswerTicks * tick_s, kMostResponseModes};
-  const Status status = identify_stepped(memory.bins, memory.excitation, tick_s, config, memory.answers, memory.scratch,
-                                         found, meanwhile);
+  if (report_.flaws.gaps > kMostGaps * memory_->excitation.ticks()) return fail(Finding::kNoisy);
+  const Status status = identify_answers(meanwhile);
   if (abort_asked_) return;
   if (!status.ok()) return refused(status);
   drop_modes_outside_band();

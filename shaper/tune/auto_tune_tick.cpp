@@ -27,24 +27,31 @@ int32_t AutoTune::value_of(const TuneSample& sample) {
 }
 
 void AutoTune::excite(const TuneSample& sample) {
-  if (load(hears_) != 0) hear(sample);
+  const uint32_t hears = load(hears_);
+  if (hears != kRecords) hear(sample);
   Excitation& excitation = memory_->excitation;
-  const Signal offset = excitation.tick();
+  const ChirpBins& chirp = memory_->sine.chirp;
+  const bool waits = hears == kHearsChirp && !chirp.excites();
+  const Signal offset = waits ? 0 : excitation.tick();
   axis_->stream(plan_.bump_forward ? expected_ + offset : expected_ - offset);
-  if (excitation.over()) store(stream_, kStreamOver);
+  if (hears == kHearsChirp ? chirp.over() : excitation.over()) store(stream_, kStreamOver);
 }
 
-// What comes before the first step is held has shaken the sensor.
+// A sensor is chosen before anything is summed: before the first step is held, which has shaken it; before the chirp.
 void AutoTune::hear(const TuneSample& sample) {
   const Excitation& excitation = memory_->excitation;
-  if (excitation.step() == 0 && !excitation.held()) choose_source();
+  SineMemory& sine = memory_->sine;
+  const bool is_chirp = load(hears_) == kHearsChirp;
+  if (is_chirp ? !sine.chirp.excites() : excitation.step() == 0 && !excitation.held()) choose_source();
   const int32_t value = value_of(sample);
   if (sample.fresh) {
     last_ = value;
   } else {
     store(gaps_, gaps_ + 1);
   }
-  memory_->sine.bins.tick(excitation, last_);
+  if (!is_chirp) return sine.bins.tick(excitation, last_);
+  if (last_ >= ChirpBins::kMost || last_ <= -ChirpBins::kMost) store(clipped_, clipped_ + 1);
+  sine.chirp.tick(last_);
 }
 
 void AutoTune::tick(const TuneSample& sample) {
@@ -59,7 +66,7 @@ void AutoTune::tick(const TuneSample& sample) {
   if (phase == AxisPhase::kStopping) store(stopped_, 1);
   if (load(listens_) == 0) return;
   if (phase == AxisPhase::kStreaming && load(stream_) == kStreams) excite(sample);
-  if (load(hears_) != 0) return;
+  if (load(hears_) != kRecords) return;
   if (watch_.tick(phase == AxisPhase::kAtRest, sample.position, sample.fresh)) capture_.trigger();
   // Not while it moves: a gap or a value at the sensor's end is no flaw of the record then.
   if (!watch_.is_after_motion()) return choose_source();

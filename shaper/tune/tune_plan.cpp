@@ -32,8 +32,6 @@ Status check_choices(const TuneConfig& config) {
   const auto excitation = static_cast<uint32_t>(config.excitation);
   if (excitation >= kTuneExcitations)
     return refuse(Error::kAboveMaximum, Quantity::kKind, excitation, kTuneExcitations - 1.0);
-  if (excitation > static_cast<uint32_t>(TuneExcitation::kSteppedSine))
-    return refuse(Error::kNotAvailable, Quantity::kKind, excitation, static_cast<double>(TuneExcitation::kSteppedSine));
   const auto source = static_cast<uint32_t>(config.source);
   if (source >= kTuneSources) return refuse(Error::kAboveMaximum, Quantity::kKind, source, kTuneSources - 1.0);
   return between(Quantity::kTolerance, config.tolerance, kMinTolerance, kMaxTolerance);
@@ -162,7 +160,9 @@ Status prepare_bump(const AxisCore& axis, const TuneConfig& config, Excitation& 
 Status prepare_sine(const AxisCore& axis, const TuneConfig& config, const TunePlan& plan, Excitation& sine,
                     Announcement& announced, const Meanwhile& meanwhile) {
   Announcement own{};
-  Status status = prepare(axis, config, ExcitationKind::kSteppedSine, sine, own, meanwhile);
+  const bool is_chirp = config.excitation == TuneExcitation::kChirp;
+  const ExcitationKind kind = is_chirp ? ExcitationKind::kChirp : ExcitationKind::kSteppedSine;
+  Status status = prepare(axis, config, kind, sine, own, meanwhile);
   if (!status.ok()) return status;
   const AxisConfig& of_axis = axis.config();
   const Signal from = axis.state().setpoint;
@@ -194,7 +194,7 @@ Status plan_tuning(AxisCore& axis, const TuneConfig& config, size_t samples, siz
   const double still = kMovesStill * result.announced.velocity * result.listen.window_ticks * tick_s;
   result.listen.tolerance =
       static_cast<Signal>((still > kLeastCounts ? still : kLeastCounts) * static_cast<double>(kSignalPerCount));
-  if (config.excitation == TuneExcitation::kSteppedSine)
+  if (config.excitation > TuneExcitation::kBump)
     status = prepare_sine(axis, config, result, excitation, result.announced);
   if (status.ok()) plan = result;
   return status;

@@ -68,7 +68,7 @@ struct TunePlan {
 // (kAboveMaximum kAmplitude, kAboveMaximum kTravel beyond the travel), where kAuto does without; a band that is not
 // finite, rising, above zero and at most 0.4 of the tick rate, or whose low end has fewer than three periods in the
 // longest record that its high end allows (kFrequency); a tolerance outside [kMinTolerance, kMaxTolerance]; an
-// excitation or source that there is not (kKind), or not here (kNotAvailable); less than kLeastTuneMemory doubles of
+// excitation or source that there is not (kKind); less than kLeastTuneMemory doubles of
 // `memory` (kLineTooShort). The axis at rest. `samples`: room in the record. `excitation`: nobody's; left
 // with the sine where that is what excites. Cost with a sine: see Excitation::prepare.
 Status plan_tuning(AxisCore& axis, const TuneConfig& config, size_t samples, size_t memory, Excitation& excitation,
@@ -77,8 +77,8 @@ Status plan_tuning(AxisCore& axis, const TuneConfig& config, size_t samples, siz
 // Once more the bump of a plan.
 Status prepare_bump(const AxisCore& axis, const TuneConfig& config, Excitation& bump, Announcement& announced);
 
-// The sine, from where the axis stands, which goes either way; `announced` becomes the larger in each of that and what
-// it was. As many steps as are a tenth apart, kLeastSteps to kMostBins.
+// The sine, or the chirp where that is asked for, from where the axis stands, which goes either way; `announced` grows
+// to the larger in each of that and what it was. As many steps as are a tenth apart, kLeastSteps to kMostBins.
 constexpr uint32_t kLeastSteps = 16;
 Status prepare_sine(const AxisCore& axis, const TuneConfig& config, const TunePlan& plan, Excitation& sine,
                     Announcement& announced, const Meanwhile& meanwhile = {});
