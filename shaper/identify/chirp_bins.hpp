@@ -36,9 +36,9 @@ class ParallelBins {
 
 // The sensor from kQuiet ticks before a chirp until its ringing is over. Not by slices: to follow an arm so slowly that
 // its steady answer shows, a chirp's rate would have to stay far below 2 pi zeta^2 f^2, and from 3 to 40 Hz this one's
-// is 70 % of that at 11 Hz and zeta 0.1. Transformed as a whole, what the sensor says over what was asked is exact at any
-// rate and damping, but for what still rings at the end: two periods of the lowest frequency are waited, which leaves
-// 0.06 % of f at 11 Hz and zeta 0.01 from 5 Hz on, nothing to speak of from 0.02 on.
+// is 70 % of that at 11 Hz and zeta 0.1. Transformed as a whole, what the sensor says over what was asked is exact at
+// any rate and damping, but for what still rings at the end: two periods of the lowest frequency are waited, which
+// leaves 0.06 % of f at 11 Hz and zeta 0.01 from 5 Hz on, nothing to speak of from 0.02 on.
 // What it cannot reach: its one amplitude is what the highest frequency's limits allow, so answers far below that are
 // weak. From 4 to 40 Hz at 600 m/s^3 (38 um), an accelerometer of 100 ug/sqrt(Hz) and arms of 5 to 20 Hz it is within
 // 0.5 % of f and 10 % of zeta in 20 of 20 at zeta 0.05, 14 at 0.2, 5 at 0.3, where a stepped sine is in all
