@@ -48,7 +48,7 @@ double SteppedBins::drift(const Excitation& excitation, uint32_t step) const {
   return (mean(to) - mean(from)) / ticks;
 }
 
-void SteppedBins::answers(const Excitation& excitation, double tick_s, const Identification* known, BinAnswer* answers,
+void SteppedBins::answers(const Excitation& excitation, double tick_s, const Identification& known, BinAnswer* answers,
                           const Meanwhile& meanwhile) const {
   for (uint32_t k = 0; k < excitation.steps(); ++k) {
     meanwhile();
@@ -61,13 +61,11 @@ void SteppedBins::answers(const Excitation& excitation, double tick_s, const Ide
     BlockColumn values;
     for (uint32_t b = 0; b < kBlocks; ++b) {
       const BinSums& sums = step_[k].block[b];
-      values.block[b] = {scale * static_cast<double>(sums.sine) + in_phase,
-                         scale * static_cast<double>(sums.cosine) + ramp};
+      values.part[2 * b] = scale * static_cast<double>(sums.sine) + in_phase;
+      values.part[2 * b + 1] = scale * static_cast<double>(sums.cosine) + ramp;
     }
     StepFit fit(values);
-    if (known == nullptr) fit.take_off_unknown();
-    for (size_t i = 0; known != nullptr && i < known->mode_count; ++i)
-      fit.take_off(known->mode[i], 2.0 * half_angle, tick_s, ticks);
+    for (size_t i = 0; i < known.mode_count; ++i) fit.take_off(known.mode[i], 2.0 * half_angle, tick_s, ticks);
     answers[k].frequency_hz = excitation.cycles_a_tick(k) / tick_s;
     fit.report(answers[k]);
   }

@@ -25,14 +25,12 @@ class SteppedBins {
  public:
   void start();
 
-  // Before the excitation's own tick. Cost: 100 instructions on a Cortex-M4.
+  // Before the excitation's own tick. Cost: 170 instructions on a Cortex-M4.
   void tick(const Excitation& excitation, int32_t value);
 
-  // Answers of all steps, without what the arm's own ringing adds: after the fade that decays, the same from block to
-  // block, and the blocks together tell by how much. `known`: the modes that ring, as found before; null: one, which is
-  // taken from the blocks themselves. A drift of the sensor that is linear over three steps comes off. `tick_s`: of the
-  // excitation.
-  void answers(const Excitation& excitation, double tick_s, const Identification* known, BinAnswer* answers,
+  // Answers of all steps, without what the arm rings with since the fade, as far as its modes are `known`. A drift of
+  // the sensor that is linear over three steps comes off. `tick_s`: of the excitation.
+  void answers(const Excitation& excitation, double tick_s, const Identification& known, BinAnswer* answers,
                const Meanwhile& meanwhile = {}) const;
 
  private:

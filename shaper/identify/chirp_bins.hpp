@@ -16,7 +16,7 @@ class ParallelBins {
   // `low`, `high`: cycles a tick. Fewer than kMostBins where whole periods are not enough.
   void start(double low, double high, uint32_t ticks);
 
-  // Tick. |value| at most 2^27 over 2^21 ticks fits. Cost: 60 instructions a bin on a Cortex-M4.
+  // Tick. |value| at most 2^27 over 2^21 ticks fits. Cost: 140 instructions a bin on a Cortex-M4.
   void tick(int32_t value);
 
   uint32_t count() const { return count_; }

@@ -11,7 +11,7 @@ struct Quadrature {
   int32_t cosine;
 };
 
-// Of phase / 2^32 turns. Tick: 50 instructions on a Cortex-M4.
+// Of phase / 2^32 turns. Tick: 110 instructions on a Cortex-M4.
 // Method: the odd polynomial of degree 9 over a quarter turn (Hastings 1955).
 Quadrature quadrature_of(uint32_t phase);
 

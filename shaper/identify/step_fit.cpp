@@ -8,46 +8,32 @@ namespace {
 constexpr double kForgotten = 1e-4;  // of a ringing's energy, after a block
 constexpr double kLasting = 0.3;
 constexpr double kIndependent = 1e-6;  // of a column, what others leave of it
-constexpr double kTellable = 0.04;     // of a factor, from 1, squared: a trend is none
 constexpr uint32_t kLeastFreedom = 2;
 constexpr Complex kOne{1.0, 0.0};
+
+// Of exp(rate) to the n, from n = 0 to where it is `last`.
+[[gnu::noinline]] Complex sum_of(const Complex& last, const Complex& rate) {
+  return (last - kOne) / (math::exp(rate) - kOne);
+}
 
 }  // namespace
 
 double BlockColumn::times(const BlockColumn& other) const {
   double sum = 0.0;
-  for (uint32_t b = 0; b < Excitation::kSteppedBlocks; ++b)
-    sum += block[b].re * other.block[b].re + block[b].im * other.block[b].im;
+  for (uint32_t i = 0; i < kParts; ++i) sum += part[i] * other.part[i];
   return sum;
 }
 
 void BlockColumn::take_off(const BlockColumn& other, double power) {
   const double factor = times(other) / power;
-  for (uint32_t b = 0; b < Excitation::kSteppedBlocks; ++b) block[b] = block[b] - factor * other.block[b];
+  for (uint32_t i = 0; i < kParts; ++i) part[i] -= factor * other.part[i];
 }
 
 StepFit::StepFit(const BlockColumn& values) : rest_(values) {
-  for (uint32_t b = 0; b < kBlocks; ++b) {
-    constant_[0].block[b] = kOne;
-    constant_[1].block[b] = {0.0, 1.0};
+  for (uint32_t i = 0; i < BlockColumn::kParts; ++i) {
+    constant_[0].part[i] = i % 2 == 0 ? 1.0 : 0.0;
+    constant_[1].part[i] = i % 2 == 0 ? 0.0 : 1.0;
   }
-}
-
-void StepFit::take_off_unknown() {
-  Complex product{0.0, 0.0};
-  double power = 0.0;
-  for (uint32_t b = 0; b + 2 < kBlocks; ++b) {
-    const Complex change = rest_.block[b + 1] - rest_.block[b];
-    product += conjugate(change) * (rest_.block[b + 2] - rest_.block[b + 1]);
-    power += square_of(change);
-  }
-  if (!(power > 0.0)) return;
-  Complex factor = (1.0 / power) * product;
-  const double size = square_of(factor);
-  if (size > 1.0) factor = (1.0 / math::sqrt(size)) * factor;
-  if (square_of(factor - kOne) < kTellable) return;
-  take_off_decay(factor, kOne, {0.0, 0.0}, false);
-  freedom_ -= 2;
 }
 
 // The ringing is real, so its mirror in the frequencies comes with it.
@@ -58,8 +44,8 @@ void StepFit::take_off(const IdentifiedMode& mode, double turn, double tick_s, d
   const Complex factor = math::exp(Complex{ticks * decay, ticks * damped});
   const double lasts = square_of(factor);
   if (lasts < kForgotten) return;
-  const Complex own = (factor - kOne) / (math::exp(Complex{decay, damped - turn}) - kOne);
-  const Complex mirror = (conjugate(factor) - kOne) / (math::exp(Complex{decay, -damped - turn}) - kOne);
+  const Complex own = sum_of(factor, {decay, damped - turn});
+  const Complex mirror = sum_of(conjugate(factor), {decay, -damped - turn});
   const Complex unit{0.0, 1.0 / math::sqrt(square_of(own) + square_of(mirror))};
   take_off_decay(factor, unit * own, unit * mirror, false);
   if (lasts > kLasting) take_off_decay(factor, unit * own, unit * mirror, true);
@@ -70,9 +56,10 @@ void StepFit::take_off_decay(const Complex& factor, Complex own, Complex mirror,
   BlockColumn columns[2];
   for (uint32_t b = 0; b < kBlocks; ++b) {
     const double times = slope ? b : 1.0;
-    columns[0].block[b] = times * (own + mirror);
-    const Complex difference = times * (own - mirror);
-    columns[1].block[b] = {-difference.im, difference.re};
+    columns[0].part[2 * b] = times * (own.re + mirror.re);
+    columns[0].part[2 * b + 1] = times * (own.im + mirror.im);
+    columns[1].part[2 * b] = times * (mirror.im - own.im);
+    columns[1].part[2 * b + 1] = times * (own.re - mirror.re);
     own = factor * own;
     mirror = conjugate(factor) * mirror;
   }

@@ -8,11 +8,12 @@
 
 namespace stillpoint {
 
-// One complex number a block.
+// One complex number a block, re and im in turn.
 struct BlockColumn {
-  Complex block[Excitation::kSteppedBlocks];
+  static constexpr uint32_t kParts = 2 * Excitation::kSteppedBlocks;
+  double part[kParts];
 
-  double times(const BlockColumn& other) const;  // the scalar product of both parts
+  double times(const BlockColumn& other) const;  // the scalar product
   void take_off(const BlockColumn& other, double power);
 };
 
@@ -23,9 +24,6 @@ struct BlockColumn {
 class StepFit {
  public:
   explicit StepFit(const BlockColumn& values);
-
-  // What decays by one factor that is not known: least squares of the differences.
-  void take_off_unknown();
 
   // What a mode rings with; `turn`: radians a tick of what drives it, `ticks` a block. Where much of it lasts from
   // block to block, what an error of its pole would make of it comes off too, while blocks are left to tell.

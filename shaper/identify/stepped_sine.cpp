@@ -7,7 +7,7 @@ namespace stillpoint {
 
 namespace {
 
-constexpr int kMostLooks = 3;
+constexpr int kMostLooks = 4;
 
 bool are_alike(const Identification& a, const Identification& b) {
   if (a.mode_count != b.mode_count) return false;
@@ -24,8 +24,9 @@ bool are_alike(const Identification& a, const Identification& b) {
 Status identify_stepped(const SteppedBins& bins, const Excitation& excitation, double tick_s,
                         const ResponseConfig& config, BinAnswer* answers, ResponseScratch& scratch,
                         Identification& result, const Meanwhile& meanwhile) {
+  result = Identification{};
   for (int look = 0; look < kMostLooks; ++look) {
-    bins.answers(excitation, tick_s, look == 0 ? nullptr : &result, answers, meanwhile);
+    bins.answers(excitation, tick_s, result, answers, meanwhile);
     Identification next{};
     const Status status = identify_response(answers, excitation.steps(), config, scratch, next, meanwhile);
     if (!status.ok()) return status;

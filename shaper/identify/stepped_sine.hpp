@@ -7,9 +7,9 @@
 
 namespace stillpoint {
 
-// As identify_response(). What rings by itself comes off the answers by the modes that were found in them, and they are
-// looked at again, at most twice, until no mode moves by its deviation; what can no longer be found then stays as it
-// was. `answers`: as many as the excitation has steps; left with those of the last look.
+// As identify_response(). What the arm rings with by itself comes off the answers once there are modes, and they are
+// looked at again, at most three times, until no mode moves by its deviation; where nothing can be found any more, what
+// was found stays. `answers`: as many as the excitation has steps; left with those of the last look.
 Status identify_stepped(const SteppedBins& bins, const Excitation& excitation, double tick_s,
                         const ResponseConfig& config, BinAnswer* answers, ResponseScratch& scratch,
                         Identification& result, const Meanwhile& meanwhile = {});

@@ -14,6 +14,8 @@ constexpr double kTick = 1e-3;
 constexpr AxisLimits kLimits{1.2e6, 20e6, 20e6, 600e6};
 constexpr Mode kArm{11.0, 0.11};  // the paper's
 constexpr uint32_t kMostTickInstructions = 400;
+constexpr uint32_t kMostSineInstructions = 1600;
+constexpr uint32_t kMostChirpInstructions = 6000;
 constexpr uint32_t kMostStackBytes = 12 * 1024;
 constexpr uint32_t kLongestGap = 50000000;
 
@@ -98,6 +100,48 @@ TEST_F(Counting, a_tuning_is_counted) {
   TEST_ASSERT_AT_MOST_INT64(kMostTickInstructions, ticks.most());
   TEST_ASSERT_AT_MOST_INT64(kLongestGap, watch.gap);
   TEST_ASSERT_AT_MOST_INT64(kMostStackBytes, stack);
+}
+
+// Generator and bins: one of a stepped sine, 32 of a chirp. Aborted once all kinds of ticks were seen, but for the time
+// of the sine's preparation.
+TEST_F(Counting, the_ticks_of_a_sine_and_of_a_chirp_are_counted) {
+  static AutoTune tuner;
+  TEST_ASSERT_OK(axis.configure({kTick, kLimits, kLimits.acceleration, kLimits.jerk}));
+  axis.reset(0);
+  tuner.begin(axis, memory);
+  print("\ninstructions of AutoTune::tick, and of starting\n");
+  print_left("", 16), print("     least      mean      most\n");
+  constexpr TuneExcitation kKinds[] = {TuneExcitation::kSteppedSine, TuneExcitation::kChirp};
+  for (const TuneExcitation kind : kKinds) {
+    const bool is_sine = kind == TuneExcitation::kSteppedSine;
+    TuneConfig config{};
+    config.excitation = kind;
+    config.source = TuneSource::kAccelerometer;
+    config.move = Move{700000, ProfileKind::kSCurve, kLimits, 0.0, false};
+    config.amplitude_counts = 1000.0;
+    config.travel_counts = 1e6;
+    config.low_hz = 8.0;
+    config.high_hz = 40.0;
+    config.tolerance = 0.02;
+    Arm arm(kArm);
+    Count start, ticks;
+    measure(start, [&] { TEST_ASSERT_OK(tuner.start(config, nullptr)); });
+    for (int i = 0; i < 2300; ++i) {
+      const TuneSample sample = arm.tick(axis.tick());
+      tuner.service({});
+      measure(ticks, [&] { tuner.tick(sample); });
+    }
+    TEST_ASSERT_EQUAL_ENUM(TuneState::kExciting, tuner.report().state);
+    print_row(is_sine ? "stepped sine" : "chirp", ticks);
+    print_row("start", start);
+    TEST_ASSERT_AT_MOST_INT64(is_sine ? kMostSineInstructions : kMostChirpInstructions, ticks.most());
+    tuner.abort();
+    for (int i = 0; i < 1000 && tuner.busy(); ++i) {
+      static_cast<void>(axis.tick());
+      tuner.service({});
+    }
+    TEST_ASSERT_EQUAL_ENUM(TuneState::kFailed, tuner.report().state);
+  }
 }
 
 }  // namespace

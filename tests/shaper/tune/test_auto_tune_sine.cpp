@@ -128,6 +128,27 @@ TEST(random_arms_are_found_by_either_sensor) {
   }
 }
 
+// A short move, and a bump that a well damped arm answers with less than the encoder's noise.
+TEST(what_neither_move_nor_bump_tell_the_sine_does) {
+  sim::SimulatedDriveConfig drive = drive_config(sim::ArmModes{{{11.0, 0.3}, 0.9}}, 3);
+  drive.reaction = 0.002;
+  TuningRig rig(drive);
+  TuneConfig config = sine_config(4.0, 40.0, TuneExcitation::kAuto);
+  config.move.target_counts = 3000;
+  config.amplitude_counts = 1000.0;
+  config.source = TuneSource::kFollowingError;
+  config.tolerance = 0.05;
+  config.accept_by_itself = false;
+  Announcement told{};
+  TEST_ASSERT_OK(rig.tune.start(config, &told));
+  TEST_ASSERT_TRUE(rig.run());
+  const TuneReport& report = rig.tune.report();
+  TEST_ASSERT_EQUAL_ENUM(TuneState::kProposed, report.state);
+  TEST_ASSERT_EQUAL_ENUM(TuneExcitation::kSteppedSine, report.excited_by);
+  TEST_ASSERT_AT_LEAST_DOUBLE(10.0 * told.duration_s, report.announced.duration_s);
+  check_mode(report.identification, {11.0, 0.3}, 2e-2, 5e-2);
+}
+
 TEST(an_abort_at_any_time_comes_to_rest_with_the_shaper_of_before) {
   Random random(2);
   for (int i = 0; i < 24; ++i) {
