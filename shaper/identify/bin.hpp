@@ -25,7 +25,7 @@ class SteppedBins {
  public:
   void start();
 
-  // Before the excitation's own tick. Cost: 170 instructions on a Cortex-M4.
+  // Before the excitation's own tick. Cost: at most 210 instructions on a Cortex-M4.
   void tick(const Excitation& excitation, int32_t value);
 
   // Answers of all steps, without what the arm rings with since the fade, as far as its modes are `known`. A drift of

@@ -2,6 +2,7 @@
 // Instructions, stack and memory of a tuning, from an unknown arm to a still one, on the chip. See counting.hpp.
 #include "shaper/axis/axis.hpp"
 #include "shaper/base/complex.hpp"
+#include "shaper/identify/quadrature.hpp"
 #include "shaper/tune/auto_tune.hpp"
 #include "tests/bench/background.hpp"
 
@@ -142,6 +143,26 @@ TEST_F(Counting, the_ticks_of_a_sine_and_of_a_chirp_are_counted) {
     }
     TEST_ASSERT_EQUAL_ENUM(TuneState::kFailed, tuner.report().state);
   }
+}
+
+TEST_F(Counting, what_a_tick_of_a_sine_is_made_of_is_counted) {
+  SineMemory& sine = memory.sine;
+  Announcement announced{};
+  const ExcitationConfig config{ExcitationKind::kSteppedSine, kTick, 1e3, 1e6, 1e6, 2e7, 6e8, 20.0, 40.0, 4};
+  sine.excitation = Excitation{};
+  TEST_ASSERT_OK(sine.excitation.prepare(config, announced));
+  sine.bins.start();
+  sine.excitation.start();
+  Count bin, generator, pair;
+  while (!sine.excitation.over()) {
+    const uint32_t phase = sine.excitation.phase();
+    measure(pair, [phase] { static_cast<void>(quadrature_of(phase)); });
+    measure(bin, [&sine] { sine.bins.tick(sine.excitation, 12345); });
+    measure(generator, [&sine] { static_cast<void>(sine.excitation.tick()); });
+  }
+  print_row("Excitation::tick", generator);
+  print_row("SteppedBins", bin);
+  print_row("quadrature_of", pair);
 }
 
 }  // namespace
