@@ -9,7 +9,6 @@ namespace stillpoint {
 namespace {
 
 constexpr double kOne = 32768.0;  // of a quadrature pair
-constexpr uint32_t kBlocks = Excitation::kSteppedBlocks;
 
 }  // namespace
 
