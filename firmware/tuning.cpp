@@ -93,6 +93,7 @@ Status TuneSettings::start(const Parameters& staged, uint32_t now_ms) {
   started_ms_ = now_ms;
   running_ = true;
   undoing_ = false;
+  by_sine_ = parts_.tuner->report().excited_by > TuneExcitation::kBump;
   return kOk;
 }
 
@@ -152,6 +153,10 @@ void TuneSettings::service(uint32_t now_ms, const Meanwhile& meanwhile) {
   const TuneReport& report = parts_.tuner->report();
   if (report.state != seen_) parts_.shaper->show_in_force();
   seen_ = report.state;
+  if (!by_sine_ && report.excited_by > TuneExcitation::kBump) {
+    by_sine_ = leading_ = true;
+    started_ms_ = now_ms;
+  }
   if (!running_ || parts_.tuner->busy()) return;
   running_ = false;
   finish(report);

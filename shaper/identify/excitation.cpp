@@ -57,7 +57,7 @@ int64_t sine(uint64_t phase) {
   return times(sum, y);
 }
 
-double magnitude(Signal value) { return math::abs(static_cast<double>(value)) / static_cast<double>(kSignalPerCount); }
+double counts_of(Signal value) { return static_cast<double>(value) / static_cast<double>(kSignalPerCount); }
 
 }  // namespace
 
@@ -126,21 +126,28 @@ bool Excitation::lay_out(const ExcitationConfig& config) {
   return true;
 }
 
-// Runs one step as the tick would and measures it, in counts and counts a tick.
-Excitation::Peaks Excitation::peaks_of_step() {
+// Runs one step as the tick would and measures it. What a sine holds repeats itself: one block of it is enough.
+Excitation::Peaks Excitation::peaks_of_step(const Meanwhile& meanwhile) {
   Peaks peaks = {};
   Signal before[3] = {};
   const uint32_t step = at_;
-  const uint32_t ticks = step_[step].block * (2 + held_blocks_) + kRest;
-  for (uint32_t n = 0; n < ticks; ++n) {
+  const uint32_t block = step_[step].block;
+  while (!over() && at_ == step) {
+    if (kind_ == ExcitationKind::kSteppedSine && in_step_ == 2 * block) {
+      const uint32_t repeated = block * (held_blocks_ - 1);
+      in_step_ += repeated;
+      phase_ += increment_ * repeated;
+    }
+    if (in_step_ % 256 == 0) meanwhile();
     const Signal now = tick();
     const Signal first = now - before[0];
     const Signal second = first - (before[0] - before[1]);
     const Signal third = second - (before[0] - 2 * before[1] + before[2]);
-    peaks.difference[0] = math::greater(peaks.difference[0], magnitude(now));
-    peaks.difference[1] = math::greater(peaks.difference[1], magnitude(first));
-    peaks.difference[2] = math::greater(peaks.difference[2], magnitude(second));
-    peaks.difference[3] = math::greater(peaks.difference[3], magnitude(third));
+    const Signal differences[] = {now, first, second, third};
+    for (size_t i = 0; i < 4; ++i) {
+      const Signal size = differences[i] < 0 ? -differences[i] : differences[i];
+      if (size > peaks.difference[i]) peaks.difference[i] = size;
+    }
     before[2] = before[1];
     before[1] = before[0];
     before[0] = now;
@@ -148,7 +155,7 @@ Excitation::Peaks Excitation::peaks_of_step() {
   return peaks;
 }
 
-Status Excitation::prepare(const ExcitationConfig& config, Announcement& announcement) {
+Status Excitation::prepare(const ExcitationConfig& config, Announcement& announcement, const Meanwhile& meanwhile) {
   const Status status = config.validate();
   if (!status.ok()) return status;
   if (!over()) return refuse(Error::kBusy, Quantity::kNone, 0.0);
@@ -163,11 +170,11 @@ Status Excitation::prepare(const ExcitationConfig& config, Announcement& announc
   next.start();
   for (uint32_t k = 0; k < next.steps_; ++k) {
     next.step_[k].amplitude = static_cast<Signal>(kTrial * static_cast<double>(kSignalPerCount));
-    const Peaks peaks = next.peaks_of_step();
+    const Peaks peaks = next.peaks_of_step(meanwhile);
     double amplitude = kMostAmplitude;
     for (size_t i = 0; i < 4; ++i) {
       const double room = limits[i] * scale[i] - kRounding;
-      const double allowed = room * kTrial / (peaks.difference[i] + kRounding);
+      const double allowed = room * kTrial / (counts_of(peaks.difference[i]) + kRounding);
       if (!(allowed >= kLeastAmplitude * 0.999)) {
         return refuse(Error::kBelowMinimum, names[i], limits[i],
                       limits[i] * kLeastAmplitude / math::greater(allowed, 1e-300));
@@ -179,13 +186,22 @@ Status Excitation::prepare(const ExcitationConfig& config, Announcement& announc
   next.start();
   Peaks all = {};
   for (uint32_t k = 0; k < next.steps_; ++k) {
-    const Peaks peaks = next.peaks_of_step();
-    for (size_t i = 0; i < 4; ++i) all.difference[i] = math::greater(all.difference[i], peaks.difference[i] / scale[i]);
+    const Peaks peaks = next.peaks_of_step(meanwhile);
+    for (size_t i = 0; i < 4; ++i)
+      if (peaks.difference[i] > all.difference[i]) all.difference[i] = peaks.difference[i];
   }
-  announcement = {all.difference[0], all.difference[1], all.difference[2], all.difference[3], next.ticks_ * tick};
+  double peak[4];
+  for (size_t i = 0; i < 4; ++i) peak[i] = counts_of(all.difference[i]) / scale[i];
+  announcement = {peak[0], peak[1], peak[2], peak[3], next.ticks_ * tick};
   *this = next;
   return kOk;
 }
+
+uint32_t Excitation::step_ticks(uint32_t step) const { return step_[step].block * (2 + held_blocks_) + kRest; }
+
+double Excitation::cycles_a_tick(uint32_t step) const { return static_cast<double>(step_[step].increment) / kTurn; }
+
+double Excitation::amplitude(uint32_t step) const { return counts_of(step_[step].amplitude); }
 
 void Excitation::start() {
   at_ = 0;

@@ -6,6 +6,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "shaper/base/meanwhile.hpp"
 #include "shaper/base/shared.hpp"
 #include "shaper/base/signal.hpp"
 #include "shaper/base/status.hpp"
@@ -51,9 +52,10 @@ struct Announcement {
 class Excitation {
  public:
   // Refuses, by name, a config that does not validate; while running (kBusy); limits that leave less than a count; a
-  // band so low that it would last over 2^30 ticks. Cost: the generator twice over all ticks, and another Excitation of
-  // stack.
-  Status prepare(const ExcitationConfig& config, Announcement& announcement);
+  // band so low that it would last over 2^30 ticks. Cost: the generator twice over all ticks, of a stepped sine twice
+  // over three blocks of each step, for what is held repeats itself; and another Excitation of stack. `meanwhile` is
+  // called every 256 ticks.
+  Status prepare(const ExcitationConfig& config, Announcement& announcement, const Meanwhile& meanwhile = {});
 
   // While the tick does not run it. From the beginning, again as often as wanted.
   void start();
@@ -62,9 +64,24 @@ class Excitation {
   Signal tick();
   bool over() const { return load(running_) == 0; }
 
+  static constexpr uint32_t kSteppedBlocks = 6;  // held, each of whole periods
+
+  // For what listens in the tick: of the tick that comes next.
+  uint32_t step() const { return at_; }
+  bool held() const { return !over() && in_step_ - step_[at_].block < held_blocks_ * step_[at_].block; }
+  uint32_t block_ticks() const { return step_[at_].block; }
+  uint32_t phase() const { return static_cast<uint32_t>(phase_ >> 32); }  // 2^-32 turns
+
+  // Background.
+  uint32_t steps() const { return steps_; }
+  uint32_t ticks() const { return ticks_; }
+  uint32_t block_ticks(uint32_t step) const { return step_[step].block; }
+  uint32_t step_ticks(uint32_t step) const;
+  double cycles_a_tick(uint32_t step) const;  // a stepped sine's
+  double amplitude(uint32_t step) const;      // counts
+
  private:
-  static constexpr uint32_t kSteppedBlocks = 6;  // held, of two periods: two to settle, four to measure
-  static constexpr uint32_t kChirpBlocks = 10;   // of two periods of the lowest frequency
+  static constexpr uint32_t kChirpBlocks = 10;  // of two periods of the lowest frequency
 
   struct Step {
     uint64_t increment;  // of the phase, 2^-64 turns a tick
@@ -73,11 +90,11 @@ class Excitation {
     uint32_t fade_shift;  // the envelope's phase goes so many bits slower
   };
   struct Peaks {
-    double difference[4];  // the value itself, the first, the second, the third
+    Signal difference[4];  // the value itself, the first, the second, the third
   };
 
   bool lay_out(const ExcitationConfig& config);
-  Peaks peaks_of_step();
+  Peaks peaks_of_step(const Meanwhile& meanwhile);
   void begin_step();
 
   Step step_[kMostExcitationSteps];

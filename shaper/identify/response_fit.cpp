@@ -17,6 +17,7 @@ constexpr double kLeastEvidence = 40.0;
 // then take away that many times what they leave.
 constexpr double kNotBelieved = 9.0;
 constexpr double kLeastPart = 10.0;
+constexpr double kLeastPartOfTwo = 100.0;  // where one alone takes next to nothing
 
 constexpr double kWider = 1.2;  // modes are looked for beyond the band
 constexpr double kLeastDamping = 0.001;
@@ -64,12 +65,20 @@ class ResponseFit {
     const double rigid = refine(model);
     double left = rigid;
     double evidence = 0.0;
-    while (model.count < config_.most_modes && count_ >= kLeastAnswers + 4 * model.count) {
-      ResponseModel trial = search(start);
+    bool looks_ahead = false;
+    while (start.count < config_.most_modes && count_ >= kLeastAnswers + 4 * start.count) {
+      start = search(start);
+      ResponseModel trial = start;
       const double then = refine(trial);
       evidence = (left - then) / variance(then, trial);
-      if (!(evidence > kLeastEvidence) || !are_apart(trial)) break;
-      start = model = trial;
+      const bool enough = !looks_ahead || left - then > kLeastPartOfTwo * then;
+      const bool taken = evidence > kLeastEvidence && enough && are_apart(trial);
+      // Alone it may explain little of what it does with the next.
+      if (!taken && (looks_ahead || then <= kNotBelieved * freedom(trial))) break;
+      looks_ahead = !taken;
+      start = trial;
+      if (!taken) continue;
+      model = trial;
       left = then;
     }
     refine(model);

@@ -1,36 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "shaper/tune/auto_tune.hpp"
 
-#include "shaper/base/math.hpp"
 #include "shaper/base/shared.hpp"
-#include "shaper/tune/ringing.hpp"
 
 namespace stillpoint {
 
 namespace {
 
-constexpr uint32_t kGapsOfTicks = 100;   // one in so many that are recorded, at most
-constexpr double kClearlyBetter = 0.5;   // of the plain ringing, at most
-constexpr double kWorthProposing = 0.5;  // a shaper that may leave more is none
-constexpr double kFaded = 0.1;           // of the plain ringing, what may be left of it when it is verified
-constexpr double kFades = 2.302585 / (2.0 * math::kPi);  // to that, in periods times damping
-constexpr double kLeastDecay = kFades / 60.0;            // frequency times damping: a minute is waited at most
-constexpr double kLeastAmplitude = 0.002;                // of a mode over the strongest one's
-constexpr uint32_t kMadeUpTicks = 4;                     // of the bump's stream; the tick misses none
+constexpr uint32_t kMadeUpTicks = 4;  // of the stream that excites; the tick misses none
 
 Status busy_now() { return refuse(Error::kBusy, Quantity::kNone, 0.0); }
-
-// Until every mode that matters has faded, from the first sample on.
-double fading_time_s(const Identification& found) {
-  double slowest = 0.0;
-  for (size_t k = 0; k < found.mode_count; ++k) {
-    const IdentifiedMode& mode = found.mode[k];
-    const double decay = mode.frequency_hz * mode.damping_ratio;
-    const bool matters = mode.amplitude > kFaded * found.mode[0].amplitude;
-    if (k == 0 || (matters && decay < slowest)) slowest = decay;
-  }
-  return kFades / (slowest > kLeastDecay ? slowest : kLeastDecay);
-}
 
 bool is_an_end(TuneState state) {
   return state == TuneState::kIdle || state == TuneState::kKept || state == TuneState::kUndone ||
@@ -59,7 +38,7 @@ Status AutoTune::start(const TuneConfig& config, Announcement* announced) {
   TunePlan plan{};
   stop_following();
   memory_->claim(MemoryHolder::kTuning);
-  const Status status = plan_tuning(*axis_, config, TuneMemory::kSamples, doubles, memory_->bump, plan);
+  const Status status = plan_tuning(*axis_, config, TuneMemory::kSamples, doubles, memory_->excitation, plan);
   if (!status.ok()) {
     memory_->release(MemoryHolder::kTuning);
     return status;
@@ -67,11 +46,11 @@ Status AutoTune::start(const TuneConfig& config, Announcement* announced) {
   config_ = config;
   plan_ = plan;
   before_ = axis_->shaper();
-  verifying_ = is_out_ = shaper_changed_ = handed_over_ = taken_again_ = abort_asked_ = false;
+  verifying_ = is_out_ = shaper_changed_ = handed_over_ = taken_again_ = abort_asked_ = answered_ = false;
   report_ = TuneReport{};
   report_.state = TuneState::kExciting;
-  by_bump_ = config.excitation == TuneExcitation::kBump;
-  report_.excited_by = by_bump_ ? TuneExcitation::kBump : TuneExcitation::kMove;
+  by_ = config.excitation == TuneExcitation::kAuto ? TuneExcitation::kMove : config.excitation;
+  report_.excited_by = by_;
   report_.announced = plan.announced;
   report_.source = config.source;
   store(stopped_, 0);
@@ -110,7 +89,11 @@ Status AutoTune::undo() {
 uint32_t AutoTune::progress_percent() const {
   static constexpr uint32_t kPercent[] = {0, 2, 10, 40, 60, 62, 65, 100, 100, 100};
   const uint32_t reached = kPercent[static_cast<uint32_t>(report_.state)];
+  if (answered_ && reached < 40) return 50;
   if (step_ != Step::kListen) return reached;
+  const SineMemory& sine = memory_->sine;
+  if (load(hears_) == kHearsChirp) return reached + 38 * sine.chirp.progress_percent() / 100;
+  if (load(hears_) == kHearsSine) return reached + 38 * sine.excitation.step() / sine.excitation.steps();
   const uint32_t part = capture_.samples() / (plan_.listen.samples / 25 + 1);
   return capture_.state() == CaptureState::kRunning ? reached + part : reached;
 }
@@ -131,7 +114,7 @@ void AutoTune::service(const Meanwhile& meanwhile) {
 // A stop, or a reset that put the axis where its motion did not lead.
 bool AutoTune::is_disturbed() const {
   if (step_ == Step::kRestore) return false;
-  if (load(stopped_) != 0 || bump_was_lost()) return true;
+  if (load(stopped_) != 0 || stream_was_lost()) return true;
   return step_ == Step::kListen && at_rest() && axis_->state().setpoint != expected_;
 }
 
@@ -140,7 +123,7 @@ void AutoTune::take_step(const Meanwhile& meanwhile) {
   if (step_ == Step::kLook) return look(meanwhile);
   if (step_ == Step::kNone || !at_rest()) return;
   if (step_ == Step::kUnshape) return take_off_shaper();
-  if (step_ == Step::kMove) return by_bump_ ? send_bump() : send_move();
+  if (step_ == Step::kMove) return by_ == TuneExcitation::kMove ? send_move() : send_stream();
   if (step_ == Step::kApply) return apply(meanwhile);
   put_back();
 }
@@ -179,14 +162,19 @@ void AutoTune::send_move() {
 }
 
 // The tick streams it: see there.
-void AutoTune::send_bump() {
-  Announcement announced{};
+void AutoTune::send_stream() {
   expected_ = axis_->state().setpoint;
-  Status status = prepare_bump(*axis_, config_, memory_->bump, announced);
-  if (status.ok()) status = start_listening();
+  Status status = kOk;
+  if (by_ == TuneExcitation::kBump) {
+    Announcement announced{};
+    status = prepare_bump(*axis_, config_, memory_->excitation, announced);
+    if (status.ok()) status = start_listening();
+  } else {
+    start_hearing();
+  }
   if (!status.ok()) return refused(status);
-  memory_->bump.start();
-  store(bump_, kBumps);
+  memory_->excitation.start();
+  store(stream_, kStreams);
   StreamConfig stream{config_.move.limits, StreamPolicy::kClamp, kMadeUpTicks};
   status = axis_->begin_stream(stream);
   if (!status.ok()) return refused(status);
@@ -195,13 +183,20 @@ void AutoTune::send_bump() {
 }
 
 // A reset may have dropped the stream.
-bool AutoTune::bump_was_lost() const { return step_ == Step::kListen && at_rest() && load(bump_) == kBumps; }
+bool AutoTune::stream_was_lost() const { return step_ == Step::kListen && at_rest() && load(stream_) == kStreams; }
 
-void AutoTune::try_bump_or_fail(Finding finding) {
-  if (by_bump_ || !plan_.has_bump) return fail(finding);
-  by_bump_ = true;
+void AutoTune::try_next_or_fail(Finding finding, const Meanwhile& meanwhile) {
+  if (answered_ || !plan_.has_bump) return fail(finding);
+  if (by_ == TuneExcitation::kMove) {
+    by_ = TuneExcitation::kBump;
+  } else if (config_.excitation == TuneExcitation::kAuto &&
+             prepare_sine(*axis_, config_, plan_, memory_->excitation, report_.announced, meanwhile).ok()) {
+    by_ = TuneExcitation::kSteppedSine;
+  } else {
+    return fail(finding);
+  }
   taken_again_ = false;
-  report_.excited_by = TuneExcitation::kBump;
+  report_.excited_by = by_;
   report_.state = TuneState::kExciting;
   step_ = Step::kMove;
 }
@@ -220,130 +215,45 @@ Status AutoTune::start_listening() {
   return kOk;
 }
 
+void AutoTune::start_hearing() {
+  const bool is_chirp = by_ == TuneExcitation::kChirp;
+  const double tick_s = axis_->config().tick_s;
+  if (is_chirp) {
+    memory_->sine.chirp.start(memory_->excitation, config_.low_hz * tick_s, config_.high_hz * tick_s);
+  } else {
+    memory_->sine.bins.start();
+  }
+  store(clipped_, 0);
+  store(gaps_, 0);
+  store(hears_, is_chirp ? kHearsChirp : kHearsSine);
+  store(listens_, 1);
+}
+
 void AutoTune::stop_listening() {
   store(listens_, 0);
-  store(bump_, kNoBump);
+  store(hears_, kRecords);
+  store(stream_, kNoStream);
   watch_.disarm();
   capture_.stop();
 }
 
 void AutoTune::listen() {
-  if (load(bump_) == kBumpOver) {
-    store(bump_, kNoBump);
+  if (load(stream_) == kStreamOver) {
+    store(stream_, kNoStream);
     if (!axis_->halt(config_.move.limits, nullptr).ok()) axis_->request_stop();
   }
   const CaptureState state = capture_.state();
-  if (state == CaptureState::kRunning) {
+  if (load(hears_) != kRecords) {
+    if (!at_rest()) return;
+    report_.state = TuneState::kIdentifying;
+    step_ = Step::kLook;
+  } else if (state == CaptureState::kRunning) {
     if (!verifying_) report_.state = TuneState::kCapturing;
   } else if (state == CaptureState::kFull) {
     store(listens_, 0);
     if (!verifying_) report_.state = TuneState::kIdentifying;
     step_ = Step::kLook;
   }
-}
-
-// A power of two of them.
-double* AutoTune::borrow(size_t& size) {
-  double* const memory = axis_->lend_memory(size);
-  while ((size & (size - 1)) != 0) size &= size - 1;
-  return memory;
-}
-
-bool AutoTune::is_flawed(const CaptureFlaws& flaws) const {
-  return flaws.saturated != 0 || flaws.gaps > capture_.samples() * plan_.listen.decimation / kGapsOfTicks;
-}
-
-// True where there is no use in looking at it.
-bool AutoTune::record_is_flawed() {
-  CaptureFlaws flaws = capture_.flaws();
-  flaws.saturated = load(clipped_);
-  if (!verifying_) report_.flaws = flaws;
-  if (!is_flawed(flaws)) return false;
-  give_up_record(flaws.saturated != 0 ? Finding::kSaturated : Finding::kNoisy);
-  return true;
-}
-
-// Another is taken, once. Chance may have put two equal samples on a top, or a gap into a record.
-void AutoTune::give_up_record(Finding finding) {
-  stop_listening();
-  if (!taken_again_) {
-    taken_again_ = true;
-    step_ = Step::kMove;
-  } else if (verifying_) {
-    end(TuneState::kUndone);
-  } else {
-    fail(finding);
-  }
-}
-
-void AutoTune::look(const Meanwhile& meanwhile) {
-  report_.source = load(to_error_) != 0 ? TuneSource::kFollowingError : TuneSource::kAccelerometer;
-  if (record_is_flawed()) return;
-  size_t size = 0;
-  double* const memory = borrow(size);
-  if (memory == nullptr) return;
-  const Record record = capture_.record(report_.source == TuneSource::kFollowingError ? kCountsPerError : 1.0);
-  const IdentifyScratch scratch(memory_->fit, memory, size);
-  if (verifying_) {
-    look_at_shaped(record, scratch, meanwhile);
-  } else {
-    look_at_plain(record, scratch, meanwhile);
-  }
-  axis_->take_memory_back();
-  stop_listening();
-}
-
-void AutoTune::look_at_plain(const Record& record, const IdentifyScratch& scratch, const Meanwhile& meanwhile) {
-  Identification& found = report_.identification;
-  IdentifyConfig config;
-  config.rate_hz = plan_.listen.rate_hz;
-  config.least_amplitude = kLeastAmplitude;
-  config.ends_known = report_.source == TuneSource::kFollowingError || config_.sensor_lowest < config_.sensor_highest;
-  faded_at_ = axis_->state().tick;
-  const Status status = identify(record, config, scratch, found, meanwhile);
-  if (abort_asked_) return;
-  if (!status.ok()) return refused(status);
-  if (found.finding == Finding::kSaturated) return give_up_record(found.finding);
-  drop_modes_outside_band();
-  if (found.finding == Finding::kNoMode || found.finding == Finding::kNoisy) return try_bump_or_fail(found.finding);
-  if (found.finding != Finding::kFound) return fail(found.finding);
-  const double rest_s = fading_time_s(found) - static_cast<double>(record.count) / config.rate_hz;
-  if (rest_s > 0.0) faded_at_ += static_cast<uint32_t>(rest_s / axis_->config().tick_s);
-  report_.plain_ringing = ringing(record, scratch, meanwhile).level;
-  choose(found, config_.tolerance, axis_->config().tick_s, report_.proposal, meanwhile);
-  if (abort_asked_) return;
-  report_.source_enough = report_.proposal.residual <= config_.tolerance;
-  if (report_.proposal.spec_count == 0 || report_.proposal.residual > kWorthProposing)
-    return try_bump_or_fail(Finding::kNoisy);
-  report_.state = TuneState::kProposed;
-  step_ = Step::kNone;
-  if (config_.accept_by_itself) static_cast<void>(accept());
-}
-
-Ringing AutoTune::ringing(const Record& record, const IdentifyScratch& scratch, const Meanwhile& meanwhile) const {
-  return ringing_of(record, plan_.listen.rate_hz, config_.low_hz, config_.high_hz, report_.identification, scratch,
-                    meanwhile);
-}
-
-void AutoTune::drop_modes_outside_band() {
-  Identification& found = report_.identification;
-  size_t kept = 0;
-  for (size_t k = 0; k < found.mode_count; ++k) {
-    const double frequency = found.mode[k].frequency_hz;
-    if (frequency >= config_.low_hz && frequency <= config_.high_hz) found.mode[kept++] = found.mode[k];
-  }
-  if (found.finding != Finding::kFound) return;
-  found.mode_count = kept;
-  found.confidence = kept == 0 ? 0.0 : found.mode[0].confidence;
-  if (kept == 0) found.finding = Finding::kNoMode;
-}
-
-void AutoTune::look_at_shaped(const Record& record, const IdentifyScratch& scratch, const Meanwhile& meanwhile) {
-  report_.shaped_ringing = ringing(record, scratch, meanwhile).at_most;
-  if (abort_asked_) return;
-  if (!(report_.shaped_ringing <= kClearlyBetter * report_.plain_ringing)) return end(TuneState::kUndone);
-  report_.state = TuneState::kKept;
-  step_ = Step::kNone;
 }
 
 void AutoTune::apply(const Meanwhile& meanwhile) {
@@ -395,54 +305,6 @@ void AutoTune::fail(Finding finding) {
 void AutoTune::refused(const Status& status) {
   report_.refusal = status;
   fail(Finding::kAborted);
-}
-
-// --- tick -----------------------------------------------------------------------------------------------------------
-
-// Which sensor is known once the motion has shaken it.
-void AutoTune::choose_source() {
-  const bool to_error =
-      config_.source == TuneSource::kFollowingError || (config_.source == TuneSource::kAuto && load(accelerates_) == 0);
-  store(to_error_, to_error ? 1 : 0);
-}
-
-int32_t AutoTune::value_of(const TuneSample& sample) {
-  const bool to_error = load(to_error_) != 0;
-  const int32_t lowest = to_error ? INT32_MIN : config_.sensor_lowest;
-  const int32_t highest = to_error ? INT32_MAX : config_.sensor_highest;
-  int32_t value = sample.acceleration;
-  if (to_error) {
-    const Signal error =
-        wrapping_difference(sample.position, sample.setpoint) >> (kSignalFractionBits - kErrorFractionBits);
-    value = error > INT32_MAX ? INT32_MAX : error < INT32_MIN ? INT32_MIN : static_cast<int32_t>(error);
-  }
-  if (lowest < highest && sample.fresh && (value <= lowest || value >= highest)) store(clipped_, clipped_ + 1);
-  return value;
-}
-
-void AutoTune::tick(const TuneSample& sample) {
-  if (sample.fresh && !has_first_) {
-    has_first_ = true;
-    first_ = sample.acceleration;
-  } else if (sample.fresh && sample.acceleration != first_) {
-    store(accelerates_, 1);
-  }
-  if (axis_ == nullptr) return;
-  const AxisPhase phase = axis_->state().phase;
-  if (phase == AxisPhase::kStopping) store(stopped_, 1);
-  if (load(listens_) == 0 || memory_->held_by(MemoryHolder::kScope)) return;
-  if (phase == AxisPhase::kStreaming && load(bump_) == kBumps) {
-    const Signal offset = memory_->bump.tick();
-    axis_->stream(plan_.bump_forward ? expected_ + offset : expected_ - offset);
-    if (memory_->bump.over()) store(bump_, kBumpOver);
-  }
-  if (phase != AxisPhase::kAtRest) capture_.finish();
-  if (capture_.state() == CaptureState::kFull) return;
-  if (watch_.tick(phase == AxisPhase::kAtRest, sample.position, sample.fresh)) capture_.trigger();
-  // Not while it moves: a gap or a value at the sensor's end is no flaw of the record then.
-  if (!watch_.is_after_motion()) return choose_source();
-  const int32_t value = value_of(sample);
-  capture_.tick(&value, sample.fresh);
 }
 
 }  // namespace stillpoint

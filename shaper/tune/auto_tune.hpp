@@ -9,8 +9,10 @@
 #include "shaper/base/meanwhile.hpp"
 #include "shaper/base/shared.hpp"
 #include "shaper/identify/capture.hpp"
+#include "shaper/identify/chirp_bins.hpp"
 #include "shaper/identify/excitation.hpp"
 #include "shaper/identify/identify.hpp"
+#include "shaper/identify/stepped_sine.hpp"
 #include "shaper/tune/choose.hpp"
 #include "shaper/tune/rest_watch.hpp"
 #include "shaper/tune/ringing.hpp"
@@ -64,13 +66,25 @@ struct TuneSample {
 // Who has the record, in rising order: a claim takes it from those below, who see that and give up.
 enum class MemoryHolder : uint32_t { kNobody, kTracking, kScope, kTuning };
 
+// What a sine or a chirp needs instead of a record.
+struct SineMemory {
+  Excitation excitation;
+  union {
+    SteppedBins bins;
+    ChirpBins chirp;
+  };
+  BinAnswer answers[kMostBins];
+  ResponseScratch scratch;
+};
+
 // Memory. The record and the fit are the tuner's own; the transforms borrow the axis's spare shaper (lend_memory),
 // which no one needs while a record is looked at. 8 + 5.3 + 16 KB.
 struct TuneMemory {
   static constexpr size_t kSamples = 2048;
   union {
     CaptureWord record[kSamples];
-    Excitation bump;  // while it moves nothing is recorded
+    Excitation excitation;  // while it moves nothing is recorded
+    SineMemory sine;        // begins with the same
   };
   DecayFit fit;
   uint32_t holder;  // MemoryHolder; the background's, and read by the tick
@@ -87,6 +101,7 @@ struct TuneMemory {
   // Either context.
   bool held_by(MemoryHolder who) const { return load(holder) == static_cast<uint32_t>(who); }
 };
+static_assert(sizeof(SineMemory) <= sizeof(TuneMemory::record), "a sine takes no more memory than a record");
 
 // Owns the axis while `busy`: whoever commands it besides gets kBusy, or aborts the tuning first. A stop, or a reset
 // that puts the axis elsewhere while it moves or listens, aborts it.
@@ -98,13 +113,23 @@ struct TuneMemory {
 // looks clipped, is taken again once, on the way back. An ending other than kKept has the shaper of before in force;
 // the axis then stands where its last motion led. Where the bump excites, alone or after a move that showed no mode
 // or none that is known well enough for a shaper (kAuto), it is streamed through the axis, and a second one, shaped,
-// verifies: like is compared with like. `service` must be called for an abort to be heard; it does not return while
-// it identifies. A refusal of the axis ends it as kFailed, kAborted, with `refusal`.
+// verifies: like is compared with like. So is the stepped sine, alone or after a bump that told no more than the move
+// did (kAuto); `announced` is then anew what it will be, and it begins with the next `service`. It leaves no ringing to
+// compare, so a plain bump follows it and a shaped one verifies: a bump excites the whole band, where a move may leave
+// an arm still by chance, and leads nowhere. What it leaves of a well damped arm is over within a period or two; what
+// noise makes of both is reckoned with (see ringing_of). A sine whose sensor was at its end, or that has gaps, is not
+// repeated.
+//
+// `service` must be called for an abort to be heard; it does not return while it identifies. A refusal of the axis ends
+// it as kFailed, kAborted, with `refusal`.
 //
 // `tick` is the tick's, after AxisCore::tick; everything else is the background's. AxisCore::service is the caller's to
 // call. Zero-initialised storage is valid. RAM: 2 KB, and TuneMemory.
 class AutoTune {
  public:
+  static constexpr int kErrorFractionBits = 16;  // of the following error, counts
+  static constexpr double kCountsPerError = 1.0 / (1 << kErrorFractionBits);
+
   void begin(AxisCore& axis, TuneMemory& memory);
 
   // At rest. Refuses by name what cannot be done within travel and limits; nothing has moved then. `announced` (may be
@@ -145,9 +170,8 @@ class AutoTune {
   void tick(const TuneSample& sample);
 
  private:
-  static constexpr int kErrorFractionBits = 16;
-  static constexpr double kCountsPerError = 1.0 / (1 << kErrorFractionBits);
-  enum : uint32_t { kNoBump, kBumps, kBumpOver };
+  enum : uint32_t { kNoStream, kStreams, kStreamOver };
+  enum : uint32_t { kRecords, kHearsSine, kHearsChirp };
   enum class Step : uint8_t { kNone, kUnshape, kMove, kListen, kLook, kApply, kRestore };
 
   uint32_t progress_percent() const;
@@ -156,16 +180,20 @@ class AutoTune {
   void take_step(const Meanwhile& meanwhile);
   void take_off_shaper();
   void send_move();
-  void send_bump();
-  void try_bump_or_fail(Finding finding);
-  bool bump_was_lost() const;
+  void send_stream();
+  void try_next_or_fail(Finding finding, const Meanwhile& meanwhile);
+  bool stream_was_lost() const;
   Status start_listening();
+  void start_hearing();
   void listen();
   void look(const Meanwhile& meanwhile);
+  void look_at_answers(const Meanwhile& meanwhile);
+  Status identify_answers(const Meanwhile& meanwhile);
   bool record_is_flawed();
   void give_up_record(Finding finding);
   void look_at_plain(const Record& record, const IdentifyScratch& scratch, const Meanwhile& meanwhile);
   void look_at_shaped(const Record& record, const IdentifyScratch& scratch, const Meanwhile& meanwhile);
+  void fit_modes(const Record& record, const IdentifyScratch& scratch, const Meanwhile& meanwhile);
   Ringing ringing(const Record& record, const IdentifyScratch& scratch, const Meanwhile& meanwhile) const;
   void drop_modes_outside_band();
   void apply(const Meanwhile& meanwhile);
@@ -176,6 +204,8 @@ class AutoTune {
   void end(TuneState state);
   void fail(Finding finding);
   void refused(const Status& status);
+  void excite(const TuneSample& sample);
+  void hear(const TuneSample& sample);
   void choose_source();
   int32_t value_of(const TuneSample& sample);
 
@@ -187,12 +217,13 @@ class AutoTune {
   Step step_ = Step::kNone;
   TuneState ends_as_ = TuneState::kIdle;  // once the shaper of before is back
   bool verifying_ = false;
-  bool by_bump_ = false;         // what excites now
-  bool is_out_ = false;          // stands where the move leads
-  bool shaper_changed_ = false;  // `before_` is not in force
-  bool handed_over_ = false;     // the shaper that the step is about
-  bool taken_again_ = false;     // a record that was flawed
-  bool working_ = false;         // `meanwhile` may call everything but service
+  bool answered_ = false;                      // by a sine: what is recorded now is only compared
+  TuneExcitation by_ = TuneExcitation::kAuto;  // what excites now
+  bool is_out_ = false;                        // stands where the move leads
+  bool shaper_changed_ = false;                // `before_` is not in force
+  bool handed_over_ = false;                   // the shaper that the step is about
+  bool taken_again_ = false;                   // a record that was flawed
+  bool working_ = false;                       // `meanwhile` may call everything but service
   bool abort_asked_ = false;
   uint32_t faded_at_ = 0;  // the axis's tick: the plain ringing would be in the way of the shaped one
   Signal expected_ = 0;    // where the motion under way ends
@@ -200,7 +231,9 @@ class AutoTune {
 
   // Shared with the tick.
   uint32_t listens_ = 0;
-  uint32_t bump_ = 0;         // kNoBump and so on
+  uint32_t stream_ = 0;       // kNoStream and so on
+  uint32_t hears_ = 0;        // kRecords and so on
+  uint32_t gaps_ = 0;         // of what is heard, ticks
   uint32_t to_error_ = 0;     // the following error, not the accelerometer
   uint32_t accelerates_ = 0;  // the accelerometer has read two different values
   uint32_t clipped_ = 0;      // ticks of the rest with a value at the sensor's end
@@ -211,6 +244,7 @@ class AutoTune {
   // The tick's own.
   bool has_first_ = false;
   int32_t first_ = 0;
+  int32_t last_ = 0;
 };
 
 }  // namespace stillpoint

@@ -17,6 +17,9 @@ constexpr uint32_t kSensorLag = 3;    // ticks from the setpoint's rest to its b
 constexpr double kMovesStill = 0.01;  // of the most it moved in a window
 constexpr double kLeastCounts = 2.0;  // what an encoder flickers by
 constexpr uint32_t kMostDecimation = 64;
+constexpr double kApart = 0.1;  // steps of a sine, in the logarithm of the frequency
+
+double counts_of(Signal signal) { return static_cast<double>(signal) / static_cast<double>(kSignalPerCount); }
 
 [[gnu::noinline]] Status between(Quantity quantity, double value, double low, double high) {
   if (!math::is_finite(value)) return refuse(Error::kNotFinite, quantity, value);
@@ -29,8 +32,6 @@ Status check_choices(const TuneConfig& config) {
   const auto excitation = static_cast<uint32_t>(config.excitation);
   if (excitation >= kTuneExcitations)
     return refuse(Error::kAboveMaximum, Quantity::kKind, excitation, kTuneExcitations - 1.0);
-  if (excitation > static_cast<uint32_t>(TuneExcitation::kBump))
-    return refuse(Error::kNotAvailable, Quantity::kKind, excitation, static_cast<double>(TuneExcitation::kBump));
   const auto source = static_cast<uint32_t>(config.source);
   if (source >= kTuneSources) return refuse(Error::kAboveMaximum, Quantity::kKind, source, kTuneSources - 1.0);
   return between(Quantity::kTolerance, config.tolerance, kMinTolerance, kMaxTolerance);
@@ -73,17 +74,27 @@ Status plan_move(AxisCore& axis, const TuneConfig& config, TunePlan& plan) {
   Status status = axis.preview(back, plan.home, report);
   if (status.ok()) status = axis.preview(config.move, plan.target, report);
   if (!status.ok()) return status;
-  const double distance =
-      math::abs(static_cast<double>(wrapping_difference(plan.target, from)) / static_cast<double>(kSignalPerCount));
+  const double distance = math::abs(counts_of(wrapping_difference(plan.target, from)));
   if (distance == 0.0) return refuse(Error::kNotPositive, Quantity::kDistance, 0.0);
   plan.announced = Announcement{distance, report.peaks.velocity, report.peaks.acceleration, report.peaks.jerk,
                                 report.profile_ticks * axis.config().tick_s};
   return between(Quantity::kTravel, distance, 0.0, config.travel_counts);
 }
 
+// Excites without leading anywhere.
+bool stays(const TuneConfig& config) { return config.excitation >= TuneExcitation::kBump; }
+
+void cover(const Announcement& announced, Announcement& all) {
+  all.travel = math::greater(all.travel, announced.travel);
+  all.velocity = math::greater(all.velocity, announced.velocity);
+  all.acceleration = math::greater(all.acceleration, announced.acceleration);
+  all.jerk = math::greater(all.jerk, announced.jerk);
+  all.duration_s = math::greater(all.duration_s, announced.duration_s);
+}
+
 // Up from home, or down where a soft limit is in the way; after the move from its target back, which keeps the travel.
 Status plan_bump(AxisCore& axis, const TuneConfig& config, Excitation& bump, TunePlan& plan) {
-  const bool only = config.excitation == TuneExcitation::kBump;
+  const bool only = stays(config);
   const Signal home = axis.state().setpoint;
   Signal from = home;
   bool forward = true;
@@ -98,7 +109,7 @@ Status plan_bump(AxisCore& axis, const TuneConfig& config, Excitation& bump, Tun
   if (!status.ok()) return status;
   const AxisConfig& of_axis = axis.config();
   if (of_axis.has_soft_limits()) {
-    const double at = static_cast<double>(from) / static_cast<double>(kSignalPerCount);
+    const double at = counts_of(from);
     const double below = at - of_axis.soft_low_counts;
     const double above = of_axis.soft_high_counts - at;
     if (only && above < announced.travel) forward = false;
@@ -107,18 +118,13 @@ Status plan_bump(AxisCore& axis, const TuneConfig& config, Excitation& bump, Tun
   }
   plan.has_bump = true;
   plan.bump_forward = forward;
-  Announcement& all = plan.announced;
-  all.travel = math::greater(all.travel, announced.travel);
-  all.velocity = math::greater(all.velocity, announced.velocity);
-  all.acceleration = math::greater(all.acceleration, announced.acceleration);
-  all.jerk = math::greater(all.jerk, announced.jerk);
-  all.duration_s = math::greater(all.duration_s, announced.duration_s);
+  cover(announced, plan.announced);
   return kOk;
 }
 
 // What excites, in order; kAuto can do without the bump.
 Status plan_excitation(AxisCore& axis, const TuneConfig& config, Excitation& bump, TunePlan& plan) {
-  if (config.excitation == TuneExcitation::kBump) {
+  if (stays(config)) {
     plan.home = axis.state().setpoint;
     const Status status = config.move.limits.validate();
     const Status within = status.ok() ? config.move.limits.within(axis.config().maximum) : status;
@@ -129,12 +135,11 @@ Status plan_excitation(AxisCore& axis, const TuneConfig& config, Excitation& bum
   return status;
 }
 
-}  // namespace
-
-Status prepare_bump(const AxisCore& axis, const TuneConfig& config, Excitation& bump, Announcement& announced) {
+Status prepare(const AxisCore& axis, const TuneConfig& config, ExcitationKind kind, Excitation& excitation,
+               Announcement& announced, const Meanwhile& meanwhile) {
   const AxisLimits& limits = config.move.limits;
   ExcitationConfig wanted{};
-  wanted.kind = ExcitationKind::kBump;
+  wanted.kind = kind;
   wanted.tick_s = axis.config().tick_s;
   wanted.amplitude = config.amplitude_counts;
   wanted.travel = config.travel_counts;
@@ -143,11 +148,39 @@ Status prepare_bump(const AxisCore& axis, const TuneConfig& config, Excitation& 
   wanted.jerk = limits.jerk;
   wanted.low_hz = config.low_hz;
   wanted.high_hz = config.high_hz;
-  bump = Excitation{};
-  return bump.prepare(wanted, announced);
+  wanted.steps = static_cast<uint32_t>(
+      math::greater(kLeastSteps, math::lesser(kMostBins, math::log(config.high_hz / config.low_hz) / kApart + 2.0)));
+  excitation = Excitation{};
+  return excitation.prepare(wanted, announced, meanwhile);
 }
 
-Status plan_tuning(AxisCore& axis, const TuneConfig& config, size_t samples, size_t memory, Excitation& bump,
+}  // namespace
+
+Status prepare_bump(const AxisCore& axis, const TuneConfig& config, Excitation& bump, Announcement& announced) {
+  return prepare(axis, config, ExcitationKind::kBump, bump, announced, {});
+}
+
+Status prepare_sine(const AxisCore& axis, const TuneConfig& config, const TunePlan& plan, Excitation& sine,
+                    Announcement& announced, const Meanwhile& meanwhile) {
+  Announcement own{};
+  const bool is_chirp = config.excitation == TuneExcitation::kChirp;
+  const ExcitationKind kind = is_chirp ? ExcitationKind::kChirp : ExcitationKind::kSteppedSine;
+  Status status = prepare(axis, config, kind, sine, own, meanwhile);
+  if (!status.ok()) return status;
+  const AxisConfig& of_axis = axis.config();
+  const Signal from = axis.state().setpoint;
+  const double away = math::abs(counts_of(wrapping_difference(from, plan.home)));
+  status = between(Quantity::kTravel, away + own.travel, 0.0, config.travel_counts);
+  if (status.ok() && of_axis.has_soft_limits()) {
+    const double at = counts_of(from);
+    const double room = math::lesser(at - of_axis.soft_low_counts, of_axis.soft_high_counts - at);
+    if (room < own.travel) status = refuse(Error::kAboveMaximum, Quantity::kAmplitude, own.travel, room);
+  }
+  if (status.ok()) cover(own, announced);
+  return status;
+}
+
+Status plan_tuning(AxisCore& axis, const TuneConfig& config, size_t samples, size_t memory, Excitation& excitation,
                    TunePlan& plan) {
   const double tick_s = axis.config().tick_s;
   size_t size = samples;
@@ -160,13 +193,15 @@ Status plan_tuning(AxisCore& axis, const TuneConfig& config, size_t samples, siz
   if (status.ok()) status = check_positive(Quantity::kTravel, config.travel_counts);
   if (status.ok())
     status = plan_listening(config.low_hz, config.high_hz, tick_s, static_cast<uint32_t>(size), result.listen);
-  if (status.ok()) status = plan_excitation(axis, config, bump, result);
+  if (status.ok()) status = plan_excitation(axis, config, excitation, result);
   if (!status.ok()) return status;
   const double still = kMovesStill * result.announced.velocity * result.listen.window_ticks * tick_s;
   result.listen.tolerance =
       static_cast<Signal>((still > kLeastCounts ? still : kLeastCounts) * static_cast<double>(kSignalPerCount));
-  plan = result;
-  return kOk;
+  if (config.excitation > TuneExcitation::kBump)
+    status = prepare_sine(axis, config, result, excitation, result.announced);
+  if (status.ok()) plan = result;
+  return status;
 }
 
 }  // namespace stillpoint

@@ -7,13 +7,15 @@
 
 #include "shaper/axis/axis_config.hpp"
 #include "shaper/axis/axis_core.hpp"
+#include "shaper/identify/bin.hpp"
 #include "shaper/identify/excitation.hpp"
 
 namespace stillpoint {
 
 // The numbers are the drive's register values: never renumbered.
 
-// kAuto: the move, and if its ringing does not tell, the bump, where there is room and amplitude for one.
+// kAuto: the move; if its ringing does not tell, the bump; and if that does not, the stepped sine, each where there is
+// room and amplitude for it.
 enum class TuneExcitation : uint8_t { kAuto, kMove, kBump, kSteppedSine, kChirp };
 constexpr uint32_t kTuneExcitations = 5;
 
@@ -65,19 +67,25 @@ struct TunePlan {
 };
 
 // Refuses, by name, with nothing done: what AxisCore::command would of the move behind no shaper; a distance of 0
-// (kNotPositive kDistance) or beyond the travel (kAboveMaximum kTravel), unless it is the bump that excites; what
-// Excitation::prepare does of the bump, and one that a soft limit leaves no room for
+// (kNotPositive kDistance) or beyond the travel (kAboveMaximum kTravel), where it is the move that excites; what
+// Excitation::prepare does of the bump and of the sine, and one that a soft limit leaves no room for
 // (kAboveMaximum kAmplitude, kAboveMaximum kTravel beyond the travel), where kAuto does without; a band that is not
 // finite, rising, above zero and at most 0.4 of the tick rate, or whose low end has fewer than three periods in the
 // longest record that its high end allows (kFrequency); a tolerance outside [kMinTolerance, kMaxTolerance]; an
-// excitation or source that there is not (kKind), or not here (kNotAvailable); less than kLeastTuneMemory doubles of
-// `memory` (kLineTooShort). The axis at rest. `samples`: room in the record. `bump`: nobody's; what was in it is
-// lost.
-Status plan_tuning(AxisCore& axis, const TuneConfig& config, size_t samples, size_t memory, Excitation& bump,
+// excitation or source that there is not (kKind); less than kLeastTuneMemory doubles of
+// `memory` (kLineTooShort). The axis at rest. `samples`: room in the record. `excitation`: nobody's; left
+// with the sine where that is what excites. Cost with a sine: see Excitation::prepare.
+Status plan_tuning(AxisCore& axis, const TuneConfig& config, size_t samples, size_t memory, Excitation& excitation,
                    TunePlan& plan);
 
 // Once more the bump of a plan.
 Status prepare_bump(const AxisCore& axis, const TuneConfig& config, Excitation& bump, Announcement& announced);
+
+// The sine, or the chirp where that is asked for, from where the axis stands, which goes either way; `announced` grows
+// to the larger in each of that and what it was. As many steps as are a tenth apart, kLeastSteps to kMostBins.
+constexpr uint32_t kLeastSteps = 16;
+Status prepare_sine(const AxisCore& axis, const TuneConfig& config, const TunePlan& plan, Excitation& sine,
+                    Announcement& announced, const Meanwhile& meanwhile = {});
 
 constexpr size_t kLeastTuneMemory = 256;
 

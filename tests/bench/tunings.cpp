@@ -2,6 +2,7 @@
 // Instructions, stack and memory of a tuning, from an unknown arm to a still one, on the chip. See counting.hpp.
 #include "shaper/axis/axis.hpp"
 #include "shaper/base/complex.hpp"
+#include "shaper/identify/quadrature.hpp"
 #include "shaper/tune/auto_tune.hpp"
 #include "tests/bench/background.hpp"
 
@@ -14,6 +15,8 @@ constexpr double kTick = 1e-3;
 constexpr AxisLimits kLimits{1.2e6, 20e6, 20e6, 600e6};
 constexpr Mode kArm{11.0, 0.11};  // the paper's
 constexpr uint32_t kMostTickInstructions = 400;
+constexpr uint32_t kMostSineInstructions = 1600;
+constexpr uint32_t kMostChirpInstructions = 6000;
 constexpr uint32_t kMostStackBytes = 12 * 1024;
 constexpr uint32_t kLongestGap = 50000000;
 
@@ -98,6 +101,68 @@ TEST_F(Counting, a_tuning_is_counted) {
   TEST_ASSERT_AT_MOST_INT64(kMostTickInstructions, ticks.most());
   TEST_ASSERT_AT_MOST_INT64(kLongestGap, watch.gap);
   TEST_ASSERT_AT_MOST_INT64(kMostStackBytes, stack);
+}
+
+// Generator and bins: one of a stepped sine, 32 of a chirp. Aborted once all kinds of ticks were seen, but for the time
+// of the sine's preparation.
+TEST_F(Counting, the_ticks_of_a_sine_and_of_a_chirp_are_counted) {
+  static AutoTune tuner;
+  TEST_ASSERT_OK(axis.configure({kTick, kLimits, kLimits.acceleration, kLimits.jerk}));
+  axis.reset(0);
+  tuner.begin(axis, memory);
+  print("\ninstructions of AutoTune::tick, and of starting\n");
+  print_left("", 16), print("     least      mean      most\n");
+  constexpr TuneExcitation kKinds[] = {TuneExcitation::kSteppedSine, TuneExcitation::kChirp};
+  for (const TuneExcitation kind : kKinds) {
+    const bool is_sine = kind == TuneExcitation::kSteppedSine;
+    TuneConfig config{};
+    config.excitation = kind;
+    config.source = TuneSource::kAccelerometer;
+    config.move = Move{700000, ProfileKind::kSCurve, kLimits, 0.0, false};
+    config.amplitude_counts = 1000.0;
+    config.travel_counts = 1e6;
+    config.low_hz = 8.0;
+    config.high_hz = 40.0;
+    config.tolerance = 0.02;
+    Arm arm(kArm);
+    Count start, ticks;
+    measure(start, [&] { TEST_ASSERT_OK(tuner.start(config, nullptr)); });
+    for (int i = 0; i < 2300; ++i) {
+      const TuneSample sample = arm.tick(axis.tick());
+      tuner.service({});
+      measure(ticks, [&] { tuner.tick(sample); });
+    }
+    TEST_ASSERT_EQUAL_ENUM(TuneState::kExciting, tuner.report().state);
+    print_row(is_sine ? "stepped sine" : "chirp", ticks);
+    print_row("start", start);
+    TEST_ASSERT_AT_MOST_INT64(is_sine ? kMostSineInstructions : kMostChirpInstructions, ticks.most());
+    tuner.abort();
+    for (int i = 0; i < 1000 && tuner.busy(); ++i) {
+      static_cast<void>(axis.tick());
+      tuner.service({});
+    }
+    TEST_ASSERT_EQUAL_ENUM(TuneState::kFailed, tuner.report().state);
+  }
+}
+
+TEST_F(Counting, what_a_tick_of_a_sine_is_made_of_is_counted) {
+  SineMemory& sine = memory.sine;
+  Announcement announced{};
+  const ExcitationConfig config{ExcitationKind::kSteppedSine, kTick, 1e3, 1e6, 1e6, 2e7, 6e8, 20.0, 40.0, 4};
+  sine.excitation = Excitation{};
+  TEST_ASSERT_OK(sine.excitation.prepare(config, announced));
+  sine.bins.start();
+  sine.excitation.start();
+  Count bin, generator, pair;
+  while (!sine.excitation.over()) {
+    const uint32_t phase = sine.excitation.phase();
+    measure(pair, [phase] { static_cast<void>(quadrature_of(phase)); });
+    measure(bin, [&sine] { sine.bins.tick(sine.excitation, 12345); });
+    measure(generator, [&sine] { static_cast<void>(sine.excitation.tick()); });
+  }
+  print_row("Excitation::tick", generator);
+  print_row("SteppedBins", bin);
+  print_row("quadrature_of", pair);
 }
 
 }  // namespace

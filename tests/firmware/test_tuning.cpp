@@ -86,6 +86,36 @@ TEST_F(Tunable, the_bump_tunes_without_leading_anywhere) {
   TEST_ASSERT_TRUE(shaped < 0.05 * plain);
 }
 
+// 8 to 40 Hz: half a minute of the stepped sine, three seconds of the chirp.
+TEST_F(Tunable, a_sine_and_a_chirp_tune_without_leading_anywhere) {
+  for (const uint32_t kind : {3U, 4U}) {
+    TEST_INFO(kind, kind);
+    TEST_ASSERT_EQUAL_UINT32(0, write_single(0x0201, kind));
+    TEST_ASSERT_EQUAL_UINT32(0, write_single(0x0206, 80));
+    TEST_ASSERT_EQUAL_UINT32(0, write_single(0x0207, 400));
+    TEST_ASSERT_EQUAL_UINT32(0, write_wide(0x0202, 1000));
+    TEST_ASSERT_EQUAL_UINT32(0, write_single(0x0248, 1));
+    arm.forget();
+    TEST_ASSERT_EQUAL_UINT32(0, tune(kStart));
+    const uint32_t duration_ms = get_wide(0x0238);
+    TEST_ASSERT_AT_LEAST_INT64(2000, duration_ms);
+    TEST_ASSERT_TRUE(still());
+    for (int i = 0; i < 40000 && tune_state() == TuneState::kExciting; ++i) step();
+    for (int i = 0; i < 2 && !ended(); ++i) reach_end();
+    TEST_ASSERT_EQUAL_ENUM(TuneState::kKept, tune_state());
+    step();
+    TEST_ASSERT_EQUAL_UINT32(kind, get(0x0247));
+    TEST_ASSERT_DOUBLE_WITHIN(0.005 * 110000, 110000.0, get_wide(0x0210));
+    TEST_ASSERT_DOUBLE_WITHIN(0.1 * 11000, 11000.0, get(0x0212));
+    TEST_ASSERT_EQUAL_INT64(0, arm.setpoints.back());
+    TEST_ASSERT_AT_MOST_DOUBLE(get_wide(0x0230) + 1.0, reach_from(0));
+    TEST_ASSERT_AT_LEAST_INT64(1, axis.shaper().stage_count);
+    TEST_ASSERT_EQUAL_UINT32(0, tune(kUndo));
+    reach_end();
+    TEST_ASSERT_EQUAL_UINT32(0, axis.shaper().stage_count);
+  }
+}
+
 TEST_F(Tunable, what_is_proposed_is_previewed_and_not_yet_in_force) {
   TEST_ASSERT_EQUAL_UINT32(0, tune(kStart));
   reach(TuneState::kProposed);

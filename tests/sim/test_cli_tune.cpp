@@ -142,7 +142,7 @@ TEST_HOST(tune_without_time_for_zero_delay_takes_the_least) {
 }
 
 TEST_HOST(every_excitation_keeps_what_it_announces) {
-  for (const char* kind : {"move", "bump"}) {
+  for (const char* kind : {"move", "bump", "stepped-sine", "chirp"}) {
     TEST_INFO(kind, kind);
     const std::string csv = scratch_file("tune.csv");
     const Json tune =
