@@ -10,7 +10,7 @@ double JerkSequence::total() const {
 }
 
 JerkPath::JerkPath(const JerkSequence& sequence) : after_{} {
-  Motion m{};
+  PathPoint m{};
   for (size_t k = 0; k < kJerkParts; ++k) {
     const double t = sequence.length[k];
     const double j = jerk_sign(k);
@@ -27,15 +27,15 @@ bool JerkPath::peaks_in(size_t part) const {
 }
 
 double JerkPath::peak_velocity(size_t part) const {
-  const Motion m = before(part);
+  const PathPoint m = before(part);
   return m.velocity + m.acceleration * m.acceleration / 2.0;
 }
 
-Motion JerkPath::effect(size_t part, double time) const {
-  const Motion& m = after_[part];
+PathPoint JerkPath::effect(size_t part, double time) const {
+  const PathPoint& m = after_[part];
   const double j = jerk_sign(part);
   const double rest = time - m.time;
-  return Motion{1.0, j, m.acceleration + j * rest, m.velocity + rest * (m.acceleration + rest * j / 2.0)};
+  return PathPoint{1.0, j, m.acceleration + j * rest, m.velocity + rest * (m.acceleration + rest * j / 2.0)};
 }
 
 }  // namespace stillpoint

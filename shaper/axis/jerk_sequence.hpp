@@ -20,7 +20,7 @@ struct JerkSequence {
   double total() const;
 };
 
-struct Motion {
+struct PathPoint {
   double time;
   double acceleration;
   double velocity;
@@ -32,9 +32,9 @@ class JerkPath {
  public:
   explicit JerkPath(const JerkSequence& sequence);
 
-  const Motion& after(size_t part) const { return after_[part]; }
-  Motion before(size_t part) const { return part == 0 ? Motion{} : after_[part - 1]; }
-  const Motion& end() const { return after_[kJerkParts - 1]; }
+  const PathPoint& after(size_t part) const { return after_[part]; }
+  PathPoint before(size_t part) const { return part == 0 ? PathPoint{} : after_[part - 1]; }
+  const PathPoint& end() const { return after_[kJerkParts - 1]; }
 
   // The velocity is largest, or cruises, as the acceleration falls through zero: in this part?
   bool peaks_in(size_t part) const;
@@ -42,10 +42,10 @@ class JerkPath {
   double peak_velocity(size_t part) const;
 
   // What lengthening the part does to time, acceleration, velocity and position at a later `time`.
-  Motion effect(size_t part, double time) const;
+  PathPoint effect(size_t part, double time) const;
 
  private:
-  Motion after_[kJerkParts];
+  PathPoint after_[kJerkParts];
 };
 
 }  // namespace stillpoint

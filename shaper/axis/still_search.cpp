@@ -66,7 +66,7 @@ Complex StillSearch::left_in(size_t mode, const JerkPath& path, Complex* slopes)
 
 double StillSearch::violation(const JerkSequence& sequence) const {
   const JerkPath path(sequence);
-  const Motion end = path.end();
+  const PathPoint end = path.end();
   double sum = math::magnitude(end.acceleration) + math::magnitude(end.velocity) / acceleration_scale_ +
                math::magnitude(end.position - limits_.distance) / velocity_scale_;
   if (cruise_ != 0) sum += math::magnitude(path.after(cruise_).acceleration);
@@ -97,9 +97,9 @@ void StillSearch::add_end(SmallLp& lp, const JerkPath& path, const Row& low) con
   Row acceleration = {};
   Row velocity = {};
   Row position = {};
-  const Motion end = path.end();
+  const PathPoint end = path.end();
   for (size_t k = 0; k < kJerkParts; ++k) {
-    const Motion more = path.effect(k, end.time);
+    const PathPoint more = path.effect(k, end.time);
     acceleration[k] = more.acceleration;
     velocity[k] = more.velocity / acceleration_scale_;
     position[k] = more.position / velocity_scale_;

@@ -128,7 +128,7 @@ Candidates find_candidates(const Record& record, const DecayModel& model, const 
       if (buffer[k] < buffer[k - 1] || buffer[k] < buffer[k + 1]) continue;
       const double power = buffer[k] / weight;
       if (power <= largest_standing || is_taken(model, angle) || is_refused(refused, angle)) continue;
-      const Candidate here{decay, to_angle * interpolated_peak(buffer, size, k), power / floor.at(k)};
+      const ModeCandidate here{decay, to_angle * interpolated_peak(buffer, size, k), power / floor.at(k)};
       if (power > largest) {
         largest = power;
         best.largest = here;

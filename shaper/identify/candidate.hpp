@@ -24,7 +24,7 @@ struct NoiseFloor {
   double at(size_t bin) const;
 };
 
-struct Candidate {
+struct ModeCandidate {
   double decay;
   double angle;
   double score;  // power over the floor: of white noise, one that is above x has a chance of exp(-x) a bin
@@ -34,8 +34,8 @@ struct Candidate {
 constexpr double kWorthTrying = 9.0;
 
 struct Candidates {
-  Candidate largest;   // holds most of what is left, whatever its score
-  Candidate standing;  // holds most of it among those with a score of kWorthTrying; the best score where none has
+  ModeCandidate largest;   // holds most of what is left, whatever its score
+  ModeCandidate standing;  // holds most of it among those with a score of kWorthTrying; the best score where none has
 };
 
 // Angles that have been tried and refused.

@@ -118,7 +118,7 @@ class Builder {
   }
 
   // What was refused before may fit once another is in.
-  bool try_adding(const Candidate& candidate) {
+  bool try_adding(const ModeCandidate& candidate) {
     if (attempts_ >= kMostAttempts || is_tried(candidate.angle)) return false;
     ++attempts_;
     DecayModel trial = result_.model;

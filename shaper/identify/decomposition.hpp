@@ -43,7 +43,7 @@ struct Decomposition {
   DecayModel model;
   ComponentDoubt doubt[kMostComponents];
   double variance;    // of the residual
-  double best_score;  // of the last candidate that was not taken, see Candidate
+  double best_score;  // of the last candidate that was not taken, see ModeCandidate
 };
 
 // Of chi^2 with two degrees; the maximum over frequencies and decays of white noise passes it in one record of 10,000.
