@@ -19,7 +19,8 @@ struct LineSettings {
 
 // Silence that ends a frame, in steps of a clock of 1 ms that may be anywhere between two steps when the last byte
 // comes: more than the 3.5 characters of 11 bits that the specification asks for up to 19200 baud, and than its 1.75 ms
-// above. (Modbus over serial line 1.02, 2.5.1.1.) Gaps inside a frame are not minded below that: USB adapters make them.
+// above (Modbus over serial line 1.02, 2.5.1.1). Gaps inside a frame are not minded below that: USB adapters make
+// them.
 constexpr uint32_t frame_silence_ms(uint32_t baud) { return baud > 19200 ? 3 : 38500 / baud + 2; }
 
 }  // namespace stillpoint::firmware

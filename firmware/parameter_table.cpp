@@ -147,8 +147,9 @@ constexpr Entry kTable[kParameterCount] = {
     shown(R::kServoLinkLosses, T::kU32, 0, 0, "servo link losses"),
     shown(R::kTickOverruns, T::kU32, 0, 0, "ticks not ended when the next was due", "ticks"),
     locked(value(R::kUnitId, T::kU16, 0, 1, 247, 1, "unit id, from the next start on", "")),
-    locked(value(R::kBaudIndex, T::kU16, 0, 0, kBaudCount - 1, 4, "baud index, from the next start on (0 9600, 1 19200, "
-                 "2 38400, 3 57600, 4 115200, 5 230400, 6 460800, 7 921600)", "")),
+    locked(value(R::kBaudIndex, T::kU16, 0, 0, kBaudCount - 1, 4,
+                 "baud index, from the next start on (0 9600, 1 19200, 2 38400, 3 57600, 4 115200, 5 230400, 6 460800, "
+                 "7 921600)", "")),
     locked(value(R::kLineFormat, T::kU16, 0, 0, kLineFormats - 1, static_cast<uint32_t>(LineFormat::k8E1),
                  "line format, from the next start on (0 8N1, 1 8E1, 2 8O1, 3 8N2)", "")),
     with(Effect::kWatch, locked(value(R::kClientWatchdogMs, T::kU16, 0, 0, 60000, 0, "client link watchdog", "ms"))),

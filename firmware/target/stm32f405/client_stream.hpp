@@ -19,8 +19,8 @@ struct ClientBuffers {
 
 // The Modbus client's line: USART1 behind two ring buffers. A byte that comes while the buffer is full is lost, and the
 // frame with it. An RS-485 transceiver is told to drive from the first byte of an answer to its last bit (kDrivePin); a
-// gap in an answer lets go of the line for as long, and its bias keeps it idle. (Not run on silicon: the emulator's line
-// has no bits.)
+// gap in an answer lets go of the line for as long, and its bias keeps it idle. (Not run on silicon; the emulator's
+// line has no bits.)
 class ClientStream final : public hal::ByteStream {
  public:
   explicit constexpr ClientStream(ClientBuffers& buffers) : buffers_(buffers) {}
