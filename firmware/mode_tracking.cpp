@@ -34,15 +34,21 @@ void ModeTracking::service(const Meanwhile& meanwhile) {
   if (!begun_ || changes_ != parts_.shaper->changes()) begin_anew();
   const CaptureState state = parts_.tuner->following();
   if (state == CaptureState::kIdle) listen();
-  if (state == CaptureState::kFull) look(meanwhile);
+  // A halt must find the memory that a look borrows, where it needs it.
+  const bool rests = parts_.axis->state().phase == AxisPhase::kAtRest;
+  if (state == CaptureState::kFull && (rests || !parts_.axis->flight_needs_memory())) look(meanwhile);
+  // A design keeps the background from whoever drives.
+  if (rests) apply();
 }
 
 void ModeTracking::begin_anew() {
   begun_ = true;
+  moved_ = false;
   changes_ = parts_.shaper->changes();
   Mode modes[kMaxModes];
   tracker_.begin(modes, parts_.shaper->modes_in_force(modes));
   tracker_.enable(true);
+  parts_.parameters->set(Register::kTrackingRefusal, 0);
   parts_.parameters->set(Register::kTrackingUsed, 0);
   parts_.parameters->set(Register::kTrackingUnheard, 0);
   show();
@@ -73,7 +79,8 @@ void ModeTracking::look(const Meanwhile& meanwhile) {
   given_up_ = false;
   const Identification found =
       parts_.tuner->look_at_followed(least_, Meanwhile{meanwhile.run, meanwhile.context, &given_up_});
-  if (found.finding == Finding::kAborted) return;
+  keep_watch(false);
+  if (found.finding == Finding::kAborted || given_up_) return;
   const size_t left_out = tracker_.left_out();
   const bool moved = tracker_.follow(found);
   const Register what = moved ? Register::kTrackingUsed : Register::kTrackingUnheard;
@@ -81,7 +88,14 @@ void ModeTracking::look(const Meanwhile& meanwhile) {
   if (moved || tracker_.left_out() == left_out) parameters.set(what, parameters.get(what) + 1);
   show();
   listen();
-  if (!moved || wanted() != Tracking::kApply || parameters.get(Register::kTrackingRefusal) != 0) return;
+  moved_ = moved_ || moved;
+}
+
+void ModeTracking::apply() {
+  const Parameters& parameters = *parts_.parameters;
+  if (!moved_ || wanted() != Tracking::kApply || parameters.get(Register::kTrackingRefusal) != 0) return;
+  if (is_in_the_way()) return;
+  moved_ = false;
   parts_.shaper->follow(kWorthwhile * parameters.get(Register::kTuneTolerance) / kResidualPerOne);
 }
 

@@ -21,8 +21,9 @@ namespace stillpoint::firmware {
 // itself. Modes that no record can hold (see plan_listening) are not followed.
 //
 // Never in the way: a look that a set-point, a velocity, an apply, a tuning, a save or a scope finds under way is given
-// up, within 128 samples of a pass or a transform of kSamples, and the record is looked at again afterwards, in motion
-// too. A tuning or a scope that takes the memory, a halt, and whatever ends operation enabled lose the record.
+// up, within 128 samples of a pass or a transform of kSamples, and the record is looked at again afterwards: in motion
+// too, unless a change of that motion is checked behind the shaper (zero delay, negative gains). A tuning or a scope
+// that takes the memory, a halt, and whatever ends operation enabled lose the record.
 //
 // With kApply the set is staged and applied at rest, as if a client had done it, once the shaper in force leaves at the
 // worst of the modes followed more than at the worst of its own by kWorthwhile of the residual wanted (020E). A
@@ -59,6 +60,7 @@ class ModeTracking {
   void begin_anew();
   void listen();
   void look(const Meanwhile& meanwhile);
+  void apply();
   void show();
 
   Parts parts_ = {};
@@ -66,6 +68,7 @@ class ModeTracking {
   uint32_t least_ = 0;    // samples worth a look
   uint32_t changes_ = 0;  // of the shaper, that it began with
   bool begun_ = false;
+  bool moved_ = false;     // a mode, since the shaper was last compared with it
   bool given_up_ = false;  // the look under way
 };
 

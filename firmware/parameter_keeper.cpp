@@ -39,6 +39,8 @@ bool ParameterKeeper::disabled() const {
 uint16_t ParameterKeeper::refusal(CommandKey key) const {
   if (busy_) return kReasonNotStanding;
   if (key == CommandKey::kReset && restart_ == nullptr) return kReasonNotAvailable;
+  // The image would have neither the shaper of before nor the one that is on its way.
+  if (key == CommandKey::kSave && parts_.shaper->waiting()) return kReasonNotStanding;
   return disabled() ? 0 : kReasonNotDisabled;
 }
 
@@ -61,6 +63,7 @@ void ParameterKeeper::service(uint32_t uptime_ms) {
 // 0, or why it was not done.
 uint16_t ParameterKeeper::execute() {
   if (!disabled()) return kReasonNotDisabled;
+  if (key_ == CommandKey::kSave && parts_.shaper->waiting()) return kReasonNotStanding;
   if (key_ == CommandKey::kSave) return store_.save(*parts_.parameters, *parts_.shaper) ? 0 : kReasonFlashSilent;
   if (key_ == CommandKey::kLoadDefaults) return load_defaults();
   restart_();

@@ -39,10 +39,10 @@ bool Scope::command(ScopeCommand command, const Parameters& staged) {
     capture_.trigger();
     return true;
   }
-  if (memory_ == nullptr) return true;
-  capture_.stop();
-  memory_->release(MemoryHolder::kScope);
-  if (command == ScopeCommand::kStop) return true;
+  if (command == ScopeCommand::kStop) {
+    stop();
+    return true;
+  }
   const Status status = start(staged);
   if (status.ok()) return true;
   const Register culprit = channel_register(0);
@@ -51,6 +51,13 @@ bool Scope::command(ScopeCommand command, const Parameters& staged) {
                             address_of(no_channel ? culprit : Register::kScopeTriggerChannel),
                             register_floor(status.accepted));
   return false;
+}
+
+// The tick looks at nothing here from then on.
+void Scope::stop() {
+  if (memory_ == nullptr) return;
+  memory_->release(MemoryHolder::kScope);
+  capture_.stop();
 }
 
 uint16_t Scope::reason_against(ScopeCommand command) const {
@@ -65,10 +72,13 @@ Status Scope::start(const Parameters& staged) {
   uint32_t channels = 0;
   while (channels < kMaxChannels && staged.get(channel_register(channels)) != 0) ++channels;
   if (channels == 0) return refuse(Error::kBelowMinimum, Quantity::kChannels, 0.0, 1.0);
-  trigger_ = static_cast<ScopeTrigger>(staged.get(Register::kScopeTrigger));
-  trigger_channel_ = staged.get(Register::kScopeTriggerChannel);
-  if (trigger_ == ScopeTrigger::kLevel && trigger_channel_ >= channels)
-    return refuse(Error::kAboveMaximum, Quantity::kChannels, trigger_channel_, channels - 1);
+  const auto trigger = static_cast<ScopeTrigger>(staged.get(Register::kScopeTrigger));
+  const uint32_t trigger_channel = staged.get(Register::kScopeTriggerChannel);
+  if (trigger == ScopeTrigger::kLevel && trigger_channel >= channels)
+    return refuse(Error::kAboveMaximum, Quantity::kChannels, trigger_channel, channels - 1);
+  stop();
+  trigger_ = trigger;
+  trigger_channel_ = trigger_channel;
   channels_ = channels;
   for (uint32_t k = 0; k < channels; ++k) source_[k] = static_cast<ScopeSource>(staged.get(channel_register(k)));
   edge_ = static_cast<ScopeEdge>(staged.get(Register::kScopeEdge));

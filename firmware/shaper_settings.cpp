@@ -24,6 +24,9 @@ ShaperSpec spec_of(const uint32_t (&fields)[5]) {
           fields[kSpacing] / kSpacingPerPeriod, nullptr};
 }
 
+// Or it is a place left empty.
+bool shapes_by(const uint32_t (&fields)[5]) { return static_cast<ShaperKind>(fields[kKind]) != ShaperKind::kNone; }
+
 void write_fields(const ShaperSpec& spec, uint32_t (&fields)[5]) {
   fields[kFrequency] = register_nearest(spec.mode.frequency_hz, kFrequencyPerHz);
   fields[kDamping] = register_nearest(spec.mode.damping_ratio, kDampingPerOne);
@@ -71,8 +74,21 @@ void ShaperSettings::stage(uint32_t set, Register name, uint32_t value) {
 }
 
 void ShaperSettings::request_apply(Retune when) {
+  const Staged wanted = read_staged();
+  if (shown_ != set_in_force_) drop_followed();
   following_ = false;
-  request(shown_, read_staged(), when);
+  request(shown_, wanted, when);
+}
+
+ShaperSettings::Staged ShaperSettings::staged_of(uint32_t set) const {
+  return set == shown_ ? read_staged() : sets_[set].staged;
+}
+
+// What the client has staged since stays.
+void ShaperSettings::drop_followed() {
+  if (!following_) return;
+  following_ = false;
+  if (same(staged_of(set_in_force_), requested_)) stage_set(set_in_force_, sets_[set_in_force_].in_force);
 }
 
 void ShaperSettings::restore(uint32_t set) {
@@ -82,7 +98,7 @@ void ShaperSettings::restore(uint32_t set) {
 
 void ShaperSettings::take_off() {
   following_ = false;
-  if (!shapes()) return;
+  if (!shapes() && !waiting()) return;
   requested_.count = 0;
   request(set_in_force_, requested_, Retune::kAtRest);
 }
@@ -99,17 +115,22 @@ void ShaperSettings::request(uint32_t set, const Staged& staged, Retune when) {
 
 uint32_t ShaperSettings::modes_in_force(Mode* modes) const {
   const Staged& made_for = sets_[set_in_force_].in_force;
-  for (uint32_t k = 0; k < made_for.count; ++k) modes[k] = spec_of(made_for.fields[k]).mode;
-  return made_for.count;
+  uint32_t count = 0;
+  for (uint32_t k = 0; k < made_for.count; ++k) {
+    if (shapes_by(made_for.fields[k])) modes[count++] = spec_of(made_for.fields[k]).mode;
+  }
+  return count;
 }
 
 void ShaperSettings::follow(double worthwhile) {
   const Set& set = sets_[set_in_force_];
-  Staged staged = shown_ == set_in_force_ ? read_staged() : set.staged;
+  Staged staged = staged_of(set_in_force_);
   if (waiting() || !same(staged, set.in_force)) return;
+  uint32_t tracked = 0;
   for (uint32_t k = 0; k < staged.count; ++k) {
-    staged.fields[k][kFrequency] = parameters_->get(tracked_register(k, 0));
-    staged.fields[k][kDamping] = parameters_->get(tracked_register(k, kTrackedDamping));
+    if (!shapes_by(staged.fields[k])) continue;
+    staged.fields[k][kFrequency] = parameters_->get(tracked_register(tracked, 0));
+    staged.fields[k][kDamping] = parameters_->get(tracked_register(tracked++, kTrackedDamping));
   }
   const ShaperDesign active = axis_->shaper();
   if (worst_residual(active, staged) - worst_residual(active, set.in_force) <= worthwhile) return;
@@ -130,6 +151,7 @@ void ShaperSettings::stage_set(uint32_t set, const Staged& staged) {
 }
 
 void ShaperSettings::discard() {
+  if (!axis_->pending()) drop_followed();
   apply_requested_ = false;
   designing_ = false;
   if (!axis_->pending()) waiting_ = false;
@@ -284,9 +306,8 @@ void ShaperSettings::refuse_length(const Status& status) {
 
 void ShaperSettings::refuse(uint16_t reason, Register culprit, uint32_t accepted) {
   if (following_) {
-    following_ = false;
     parameters_->set(Register::kTrackingRefusal, reason);
-    stage_set(set_in_force_, sets_[set_in_force_].in_force);
+    drop_followed();
     return show_in_force();
   }
   parameters_->set(Register::kShaperState, static_cast<uint32_t>(ShaperState::kRefused));

@@ -70,8 +70,8 @@ class ShaperSettings {
 
   // Those of registers 0260 on in place of them: staged in the same set, and applied at rest. Nothing happens where
   // what is in force leaves at the worst of those at most `worthwhile` more than at the worst of its own, while an
-  // apply is under way, or where the client has something else staged in the set. Where the design is refused the set
-  // is as it was, staged and in 0131 on, and 0251 says why.
+  // apply is under way, or where the client has something else staged in the set. Where the design is refused, or
+  // overtaken, the set is as it was, staged and in 0131 on, but for what the client has staged since; 0251 says why.
   void follow(double worthwhile);
 
   // Goes up when something comes into force otherwise than by `follow`.
@@ -100,7 +100,9 @@ class ShaperSettings {
 
   void take_over(const Staged& staged);
   void note_change();
+  Staged staged_of(uint32_t set) const;
   void stage_set(uint32_t set, const Staged& staged);
+  void drop_followed();
   void request(uint32_t set, const Staged& staged, Retune when);
   struct Place {
     uint32_t mode;

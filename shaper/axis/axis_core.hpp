@@ -101,6 +101,8 @@ class AxisCore {
   // that are checked behind the shaper (zero delay, negative gains), are refused kBusy.
   double* lend_memory(size_t& doubles);
   void take_memory_back() { lent_ = false; }
+  // In motion: a halt, or another change of this motion, would be checked there; it had better not be lent now.
+  bool flight_needs_memory() const { return !running().averages() || terms_[active_track_].only_checked; }
 
   // One tick's state, never torn.
   AxisState state() const;

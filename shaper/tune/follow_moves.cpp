@@ -16,8 +16,9 @@ void AutoTune::follow(TuneSource source, int32_t lowest, int32_t highest, const 
   if (!start_listening().ok()) stop_following();
 }
 
+// Also where the memory has been taken away: the tick must not go on with it in somebody else's hands.
 void AutoTune::stop_following() {
-  if (!memory_->held_by(MemoryHolder::kTracking)) return;
+  if (busy()) return;
   stop_listening();
   memory_->release(MemoryHolder::kTracking);
 }

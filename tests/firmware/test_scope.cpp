@@ -221,9 +221,16 @@ TEST_F(ScopeRig, what_cannot_be_recorded_is_refused_by_name_and_leaves_it_idle) 
   expect_refused(firmware::reason_of(Error::kAboveMaximum, Quantity::kChannels), 0x0303);
   TEST_ASSERT_EQUAL_UINT32(1, get_wide(0x0016));
   TEST_ASSERT_EQUAL_UINT32(kIdle, scope_state());
+  // What was recorded is still there after a refusal.
+  TEST_ASSERT_EQUAL_UINT32(0, write_single(0x0303, 1));
+  TEST_ASSERT_EQUAL_UINT32(0, write_single(0x0302, kByHand));
+  TEST_ASSERT_EQUAL_UINT32(0, command(kArm));
+  TEST_ASSERT_EQUAL_UINT32(0, command(kTrigger));
+  fill();
   set_up(kByHand, 0, 1, {});
   TEST_ASSERT_EQUAL_UINT32(6, command(kArm));
   expect_refused(firmware::reason_of(Error::kBelowMinimum, Quantity::kChannels), 0x030A);
+  TEST_ASSERT_EQUAL_UINT32(kFull, scope_state());
   TEST_ASSERT_EQUAL_UINT32(3, write_single(0x0308, 0));
   TEST_ASSERT_EQUAL_UINT32(3, write_single(0x0307, 100));
   TEST_ASSERT_EQUAL_UINT32(3, write_single(0x030A, firmware::kScopeSources));

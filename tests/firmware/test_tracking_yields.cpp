@@ -127,6 +127,32 @@ TEST_F(TrackingRig, a_scope_takes_the_memory_and_tracking_comes_back_when_it_is_
   }
 }
 
+// The record that was running lies where the sine is prepared.
+TEST(a_sine_behind_a_scope_moves_as_announced) {
+  for (const uint32_t ms : {450U, 550U, 650U}) {
+    TEST_INFO(ms, ms);
+    TrackingRig rig;
+    rig.track(kShow);
+    TEST_ASSERT_EQUAL_UINT32(0, rig.write_single(0x0201, 3));
+    TEST_ASSERT_EQUAL_UINT32(0, rig.write(0x0206, {80, 400}));
+    TEST_ASSERT_EQUAL_UINT32(0, rig.write_wide(0x0202, 1000));
+    rig.move(250000, ms);
+    TEST_ASSERT_EQUAL_UINT32(1, rig.tune_memory.holder);
+    TEST_ASSERT_EQUAL_UINT32(0, rig.write_single(0x0300, 1));
+    TEST_ASSERT_EQUAL_UINT32(2, rig.tune_memory.holder);
+    TEST_ASSERT_EQUAL_UINT32(0, rig.write_single(0x0200, 1));
+    TEST_ASSERT_EQUAL_UINT32(3, rig.tune_memory.holder);
+    const double announced = rig.get_wide(0x0230);
+    rig.arm.setpoints.clear();
+    for (int i = 0; i < 60000 && rig.drive.tuning().state == TuneState::kExciting; ++i) rig.step();
+    double furthest = 0.0;
+    for (const int64_t setpoint : rig.arm.setpoints)
+      furthest = std::fmax(furthest, std::fabs(static_cast<double>(setpoint) / static_cast<double>(kCount) - 250000.0));
+    TEST_ASSERT_DOUBLE_WITHIN(1.0, announced, furthest);
+    TEST_ASSERT_EQUAL_ENUM(Finding::kFound, rig.drive.tuning().identification.finding);
+  }
+}
+
 TEST_F(TrackingRig, what_the_client_has_staged_is_not_overwritten) {
   Random random(9);
   track(kApply);
