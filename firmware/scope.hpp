@@ -16,8 +16,8 @@ namespace stillpoint::firmware {
 // trigger that comes before that part is full makes the record shorter by what is missing. Full, it keeps the record
 // until it is armed again, stopped, or loses the memory.
 //
-// The memory is the tuner's: while a tuning has it the scope cannot be armed, and a tuning that is started takes it away,
-// record and all, also where its plan is then refused. What follows the modes (0250) waits until the scope is stopped.
+// The memory is the tuner's: while a tuning has it the scope cannot be armed, and the start of a tuning takes it away,
+// record and all, also where its plan is refused. What follows the modes (0250) waits until the scope is stopped.
 //
 // `tick` is the tick's, everything else the background's. Zero-initialised storage is valid.
 class Scope {

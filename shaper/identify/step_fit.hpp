@@ -40,8 +40,8 @@ class StepFit {
 
   BlockColumn rest_;
   BlockColumn constant_[2];
-  BlockColumn decay_[kMostColumns];
-  double power_[kMostColumns];
+  BlockColumn decay_[kMostColumns] = {};
+  double power_[kMostColumns] = {};
   uint32_t decays_ = 0;
   uint32_t freedom_ = 2 * kBlocks - 2;
 };

@@ -30,7 +30,7 @@ Json values_of(sim::RegisterPort& port, bool staged) {
 }
 
 struct Setting {
-  const Parameter* parameter;
+  Parameter parameter;
   int64_t value;
 };
 
@@ -42,15 +42,15 @@ std::vector<Setting> settings_in(const Json& values, bool staged) {
       throw sim::bad_argument("setting", name, "not one of these, those of an export are accepted");
     if (!value.is_number_integer())
       throw sim::bad_argument(name, value.dump(), "not a whole number, one in the register's unit is accepted");
-    settings.push_back({&parameter, value.get<int64_t>()});
+    settings.push_back({parameter, value.get<int64_t>()});
   }
   return settings;
 }
 
 void write_settings(sim::RegisterPort& port, const std::vector<Setting>& settings, bool axis_limits) {
   for (const Setting& setting : settings) {
-    if ((setting.parameter->effect == Effect::kAxisLimits) == axis_limits) {
-      write_parameter(port, *setting.parameter, setting.value);
+    if ((setting.parameter.effect == Effect::kAxisLimits) == axis_limits) {
+      write_parameter(port, setting.parameter, setting.value);
     }
   }
 }

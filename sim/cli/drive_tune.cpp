@@ -140,7 +140,13 @@ int tune_drive(sim::RegisterPort& port, const DriveTuneOptions& options, const O
   if (!client.client().is_enabled()) client.client().enable();
   Result result{};
   const Interruptible interruptible;
-  client.start(registers);
+  try {
+    client.start(registers);
+  } catch (const sim::Refusal& refusal) {
+    // One that was refused may be somebody else's tuning; one whose answer was lost may have begun.
+    if (refusal.result() == "client_silent") or_abort(client, [&refusal]() -> TuneState { throw refusal; });
+    throw;
+  }
   const TuneState state = or_abort(client, [&] {
     result.first_announced = client.announced();
     show(result.first_announced, output.json);

@@ -127,7 +127,7 @@ class ClientWatch {
   // The map's column L, and the keys that do something (drive-map). What goes to all has no answer to tell by.
   static bool locked(uint32_t address, uint32_t value) {
     if (address == 0x0014) return value == 0x5341 || value == 0x4C44 || value == 0x5253;
-    return address == 0x0020 || address == 0x0023 || (address >= 0x0056 && address <= 0x005D) || address == 0x0066 ||
+    return (address >= 0x0020 && address <= 0x0023) || (address >= 0x0056 && address <= 0x005D) || address == 0x0066 ||
            (address >= 0x006C && address <= 0x006E) || (address >= 0x0074 && address <= 0x0079);
   }
 
@@ -153,6 +153,8 @@ class ClientWatch {
   }
 
   void mask(uint32_t address, uint32_t keep, uint32_t with) {
+    // Of a key, which cannot be read, what was kept is 0.
+    if (locked(address, with & ~keep) && !unlocked_ && !to_all_) fail("a locked register is masked without the key");
     if (address == 0x0040) {
       if (!to_all_) asks_on_ = true;
       ready_ = true;

@@ -254,6 +254,8 @@ def tunes(libmodbus):
     if abs(mode["frequency_hz"] / 11 - 1) > 0.005 or abs(mode["damping_ratio"] / 0.11 - 1) > 0.1:
         raise Failure(f"tuned to {mode['frequency_hz']} Hz, {mode['damping_ratio']}")
     check("the announced travel", 1000000, tuned["first_announced"]["travel"])
+    status = libmodbus.drive("status")
+    check("the fault, and the shaper in force", (0, 1), (status["error_code"], status["shaper_state"]))
 
 
 def drives_everything(port):
