@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The faults of tests/firmware/fault_runs.hpp on the chip's images in the emulator, provoked from outside. What the
 // emulator has not (watchdog, stack guard) or cannot be made to do (a tick that takes a millisecond) is provoked on the
-// host alone.
+// host alone; a memory without a whole set of parameters in test_stored_parameters.cpp.
 //
 // The test image takes those that come in whole frames, at ten times the pace; the production image those of the line
 // itself. With STILLPOINT_FAULT_RUNS=N in the environment the production image takes N of all, for minutes.

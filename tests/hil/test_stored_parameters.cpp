@@ -6,12 +6,14 @@
 #include <cstdio>
 #include <fstream>
 #include <string>
+#include <vector>
 
 #include "sim/hil/session.hpp"
 #include "sim/hil/usart_lock.hpp"
 #include "sim/simulated_drive.hpp"
 #include "tests/firmware/drive402.hpp"
 #include "tests/support/flash_model.hpp"
+#include "tests/support/random.hpp"
 
 using namespace stillpoint;
 using namespace stillpoint::testing;
@@ -157,4 +159,36 @@ TEST(a_save_that_was_cut_leaves_the_set_before_it_on_the_chip_too) {
   const PageFiles files(flash);
   Chip chip(files.arguments());
   TEST_ASSERT_EQUAL_UINT32(111, chip.session.read32(0x0060));
+}
+
+TEST(a_memory_of_which_no_set_is_whole_is_a_fault_by_name_and_the_drive_runs_as_delivered) {
+  FlashModel flash;
+  for (uint64_t seed = 1; seed <= 3; ++seed) {
+    TEST_INFO("seed", seed);
+    Random random(seed);
+    {
+      OnHost host(flash);
+      for (const int64_t velocity : {111, 222}) {
+        TEST_ASSERT_EQUAL_UINT32(0, host.write_wide(0x0060, velocity));
+        host.save();
+      }
+    }
+    for (std::vector<uint32_t>& page : flash.pages) {
+      page[static_cast<size_t>(random.integer(0, 60))] ^= uint32_t{1} << random.integer(0, 31);
+    }
+    const PageFiles files(flash);
+    Chip chip(files.arguments());
+    uint32_t fault = 0;
+    for (int i = 0; i < 100 && fault == 0; ++i) fault = chip.get(0x0010);
+    TEST_ASSERT_EQUAL_UINT32(0x6310, fault);
+    TEST_ASSERT_EQUAL_UINT32(0x8A01, chip.get(0x0012));
+    TEST_ASSERT_EQUAL_UINT32(0x6310, chip.get(0x0500));
+    TEST_ASSERT_EQUAL_UINT32(0x08, chip.get(0x0041) & 0x4F);
+    TEST_ASSERT_EQUAL_UINT32(1200000, chip.session.read32(0x0060));
+    chip.session.write(0x0040, uint16_t{0x80});
+    for (const int word : {0x00, 0x06, 0x07, 0x0F}) chip.session.write(0x0040, static_cast<uint16_t>(word));
+    uint32_t state = 0;
+    for (int i = 0; i < 100 && state != 0x27; ++i) state = chip.get(0x0041) & 0x6F;
+    TEST_ASSERT_EQUAL_UINT32(0x27, state);
+  }
 }
