@@ -78,8 +78,9 @@ struct Rig : Client {
 
   TuneMemory tune_memory = {};
 
-  Rig() : Rig(servo) {}
-  explicit Rig(hal::ServoPort& port) {
+  Rig() { connect(servo); }
+  explicit Rig(hal::ServoPort& port) { connect(port); }
+  void connect(hal::ServoPort& port) {
     TEST_ASSERT_OK(axis.configure(firmware::kDefaultAxis));
     drive.begin(axis, {&port, &line, &dog, &faults, &tune_memory});
     step(2);
