@@ -105,7 +105,7 @@ double DecayFit::Step::gain() const {
 }
 
 void DecayFit::Step::solve(double damping, double* change) const {
-  decltype(triangle_) least;  // larger than it need be: of a type of its own, its code would be there twice
+  Triangle<kParameters + 1, 2 * kParameters> least;
   least.begin(size + 1);
   const double root = math::sqrt(damping);
   for (size_t i = 0; i < size; ++i) {
