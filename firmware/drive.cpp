@@ -168,8 +168,7 @@ uint16_t Drive::reason_not_free() const {
   if (state_ != DriveState::kOperationEnabled) return kReasonNotEnabled;
   if (halt_asked()) return kReasonHalted;
   const bool waits = set_point_waits_ || buffered_ || homing_;
-  const bool velocity_waits = velocity_waits_ && mode_ == OperationMode::kProfileVelocity;
-  return standing_ && !waits && !velocity_waits ? 0 : kReasonNotStanding;
+  return standing_ && !waits && !velocity_is_asked() ? 0 : kReasonNotStanding;
 }
 
 bool Drive::may_move() const {

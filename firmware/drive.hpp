@@ -57,10 +57,7 @@ class Drive {
   uint16_t reason_not_free() const;
 
   // Something waits for take_set_point.
-  bool is_asked() const {
-    return set_point_waits_ || (buffered_ && standing_) ||
-           (velocity_waits_ && mode_ == OperationMode::kProfileVelocity);
-  }
+  bool is_asked() const { return set_point_waits_ || (buffered_ && standing_) || velocity_is_asked(); }
 
   // Operation enabled, and nothing asks for anything else.
   bool may_move() const;
@@ -96,6 +93,7 @@ class Drive {
   void slow_down();
   void enter(DriveState state);
   bool target_reached() const;
+  bool velocity_is_asked() const { return velocity_waits_ && mode_ == OperationMode::kProfileVelocity; }
   uint32_t mode_bits() const;
   bool halt_asked() const { return (controlword_ & kControlHalt) != 0; }
 

@@ -199,7 +199,10 @@ class AutoTune {
   void apply(const Meanwhile& meanwhile);
   void put_back();
   void stop_listening();
-  bool is_flawed(const CaptureFlaws& flaws) const;
+  static Finding flaw_of(const CaptureFlaws& flaws, uint32_t ticks);
+  CaptureFlaws recorded_flaws() const;
+  uint32_t recorded_ticks() const { return capture_.samples() * plan_.listen.decimation; }
+  bool ends_known() const;
   double* borrow(size_t& size);
   void end(TuneState state);
   void fail(Finding finding);

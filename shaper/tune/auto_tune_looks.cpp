@@ -39,17 +39,28 @@ double* AutoTune::borrow(size_t& size) {
   return memory;
 }
 
-bool AutoTune::is_flawed(const CaptureFlaws& flaws) const {
-  return flaws.saturated != 0 || flaws.gaps > capture_.samples() * plan_.listen.decimation / kGapsOfTicks;
+// kFound where they do not matter to what took so many ticks.
+Finding AutoTune::flaw_of(const CaptureFlaws& flaws, uint32_t ticks) {
+  if (flaws.saturated != 0) return Finding::kSaturated;
+  return flaws.gaps > ticks / kGapsOfTicks ? Finding::kNoisy : Finding::kFound;
 }
+
+CaptureFlaws AutoTune::recorded_flaws() const {
+  CaptureFlaws flaws = capture_.flaws();
+  flaws.saturated = load(clipped_);
+  return flaws;
+}
+
+// The following error has none.
+bool AutoTune::ends_known() const { return load(to_error_) != 0 || config_.sensor_lowest < config_.sensor_highest; }
 
 // True where there is no use in looking at it.
 bool AutoTune::record_is_flawed() {
-  CaptureFlaws flaws = capture_.flaws();
-  flaws.saturated = load(clipped_);
+  const CaptureFlaws flaws = recorded_flaws();
   if (!verifying_) report_.flaws = flaws;
-  if (!is_flawed(flaws)) return false;
-  give_up_record(flaws.saturated != 0 ? Finding::kSaturated : Finding::kNoisy);
+  const Finding flaw = flaw_of(flaws, recorded_ticks());
+  if (flaw == Finding::kFound) return false;
+  give_up_record(flaw);
   return true;
 }
 
@@ -102,8 +113,8 @@ void AutoTune::look_at_answers(const Meanwhile& meanwhile) {
   Identification& found = report_.identification;
   report_.flaws = CaptureFlaws{load(gaps_), load(clipped_), 0};
   stop_listening();
-  if (report_.flaws.saturated != 0) return fail(Finding::kSaturated);
-  if (report_.flaws.gaps > memory_->excitation.ticks() / kGapsOfTicks) return fail(Finding::kNoisy);
+  const Finding flaw = flaw_of(report_.flaws, memory_->excitation.ticks());
+  if (flaw != Finding::kFound) return fail(flaw);
   const Status status = identify_answers(meanwhile);
   if (abort_asked_) return;
   if (!status.ok()) return refused(status);
@@ -121,7 +132,7 @@ void AutoTune::look_at_plain(const Record& record, const IdentifyScratch& scratc
   IdentifyConfig config;
   config.rate_hz = plan_.listen.rate_hz;
   config.least_amplitude = kLeastAmplitude;
-  config.ends_known = report_.source == TuneSource::kFollowingError || config_.sensor_lowest < config_.sensor_highest;
+  config.ends_known = ends_known();
   faded_at_ = axis_->state().tick;
   Status status = kOk;
   if (answered_) {

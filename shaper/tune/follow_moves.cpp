@@ -28,13 +28,10 @@ CaptureState AutoTune::following() const {
 }
 
 Identification AutoTune::look_at_followed(uint32_t least, const Meanwhile& meanwhile) {
-  const bool from_error = load(to_error_) != 0;
   Identification found{};
-  CaptureFlaws flaws = capture_.flaws();
-  flaws.saturated = load(clipped_);
-  found.finding = flaws.saturated != 0 ? Finding::kSaturated : Finding::kNoisy;
-  if (is_flawed(flaws)) return found;
-  if (followed_.count == 0) followed_ = capture_.record(from_error ? kCountsPerError : 1.0);
+  found.finding = flaw_of(recorded_flaws(), recorded_ticks());
+  if (found.finding != Finding::kFound) return found;
+  if (followed_.count == 0) followed_ = capture_.record(load(to_error_) != 0 ? kCountsPerError : 1.0);
   found.finding = Finding::kTooShort;
   if (followed_.count < least) return found;
   found.finding = Finding::kAborted;
@@ -43,7 +40,7 @@ Identification AutoTune::look_at_followed(uint32_t least, const Meanwhile& meanw
   if (memory == nullptr) return found;
   IdentifyConfig config;
   config.rate_hz = plan_.listen.rate_hz;
-  config.ends_known = from_error || config_.sensor_lowest < config_.sensor_highest;
+  config.ends_known = ends_known();
   const Status status = identify(followed_, config, IdentifyScratch(memory_->fit, memory, size), found, meanwhile);
   axis_->take_memory_back();
   if (!status.ok()) found.finding = Finding::kNoisy;

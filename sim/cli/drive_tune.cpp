@@ -83,16 +83,20 @@ void abort(TuneClient& client) {
   client.run([](TuneState, double) { return false; });
 }
 
+void abort_if_it_hears(TuneClient& client) {
+  try {
+    abort(client);
+  } catch (const sim::Refusal&) {  // a drive in a fault has ended it, one that is silent stops by its own watch
+  }
+}
+
 // Whatever ends this process's part leaves no drive tuning on by itself.
 template <typename Run>
 TuneState or_abort(TuneClient& client, const Run& run) {
   try {
     return run();
   } catch (const sim::Refusal&) {
-    try {
-      abort(client);
-    } catch (const sim::Refusal&) {  // a drive in a fault has ended it, one that is silent stops by its own watch
-    }
+    abort_if_it_hears(client);
     throw;
   }
 }
@@ -144,7 +148,7 @@ int tune_drive(sim::RegisterPort& port, const DriveTuneOptions& options, const O
     client.start(registers);
   } catch (const sim::Refusal& refusal) {
     // One that was refused may be somebody else's tuning; one whose answer was lost may have begun.
-    if (refusal.result() == "client_silent") or_abort(client, [&refusal]() -> TuneState { throw refusal; });
+    if (refusal.result() == "client_silent") abort_if_it_hears(client);
     throw;
   }
   const TuneState state = or_abort(client, [&] {

@@ -7,21 +7,14 @@
 #include <initializer_list>
 #include <vector>
 
+#include "tests/support/reference_crc.hpp"
 #include "tests/support/test.hpp"
 
 namespace stillpoint::testing {
 
 using Bytes = std::vector<uint8_t>;
 
-// Bit by bit, from the specification; not the product's.
-inline uint16_t reference_crc(const Bytes& bytes) {
-  uint32_t crc = 0xFFFF;
-  for (const uint8_t byte : bytes) {
-    crc ^= byte;
-    for (int bit = 0; bit < 8; ++bit) crc = (crc & 1) != 0 ? (crc >> 1) ^ 0xA001 : crc >> 1;
-  }
-  return static_cast<uint16_t>(crc);
-}
+inline uint16_t reference_crc(const Bytes& bytes) { return reference_crc(bytes.data(), bytes.size()); }
 
 inline Bytes framed(Bytes body) {
   const uint16_t crc = reference_crc(body);

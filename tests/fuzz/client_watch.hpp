@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "hal/servo_port.hpp"
+#include "tests/support/reference_crc.hpp"
 
 namespace stillpoint::testing {
 
@@ -73,15 +74,6 @@ class ClientWatch {
     begins_.clear();
   }
 
-  static uint16_t crc(const uint8_t* bytes, size_t count) {
-    uint32_t value = 0xFFFF;
-    for (size_t i = 0; i < count; ++i) {
-      value ^= bytes[i];
-      for (int bit = 0; bit < 8; ++bit) value = (value & 1) != 0 ? (value >> 1) ^ 0xA001 : value >> 1;
-    }
-    return static_cast<uint16_t>(value);
-  }
-
   // What was taken last is the request: from any of the pauses on, since how long one must be is the drive's to say.
   void answered(uint8_t function) {
     const auto asked = [function](const uint8_t* frame) { return frame[0] == 1 && frame[1] == function; };
@@ -103,7 +95,7 @@ class ClientWatch {
     for (const size_t begin : begins_) {
       const uint8_t* frame = bytes_.data() + begin;
       const size_t length = bytes_.size() - begin;
-      if (length >= 8 && condition(frame) && crc(frame, length) == 0) request(frame, length - 2);
+      if (length >= 8 && condition(frame) && reference_crc(frame, length) == 0) request(frame, length - 2);
     }
   }
 
