@@ -71,8 +71,11 @@ struct [[nodiscard]] Status {
   double accepted = 0.0;  // the nearest value that would have been accepted, same unit; 0 where there is none
 
   constexpr Status() = default;
-  constexpr Status(const Status&) = default;
-  // Out of line: it is assigned in a hundred places.
+  constexpr Status(Error why, Quantity what, double refused, double nearest)
+      : error(why), quantity(what), value(refused), accepted(nearest) {}
+  // Out of line: it is copied and assigned in two hundred places.
+  [[gnu::noinline]] constexpr Status(const Status& other)
+      : error(other.error), quantity(other.quantity), value(other.value), accepted(other.accepted) {}
   [[gnu::noinline]] constexpr Status& operator=(const Status& other) {
     error = other.error;
     quantity = other.quantity;
@@ -84,7 +87,12 @@ struct [[nodiscard]] Status {
   constexpr bool ok() const { return error == Error::kNone; }
 };
 
-constexpr Status kOk{};
+// Nothing refused. It is a Status wherever one is wanted, made out of line.
+struct Accepted {
+  [[gnu::noinline]] constexpr operator Status() const { return Status{}; }  // NOLINT(google-explicit-constructor)
+};
+
+constexpr Accepted kOk{};
 
 constexpr Status refuse(Error error, Quantity quantity, double value, double accepted = 0.0) {
   return Status{error, quantity, value, accepted};
