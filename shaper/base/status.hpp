@@ -2,6 +2,7 @@
 // How the module refuses: what is wrong, with which quantity, which value it had, which value would be accepted.
 #pragma once
 
+#include <stddef.h>
 #include <stdint.h>
 
 namespace stillpoint {
@@ -98,9 +99,16 @@ constexpr Status refuse(Error error, Quantity quantity, double value, double acc
   return Status{error, quantity, value, accepted};
 }
 
-// Refuse, naming the quantity, what is not finite; and what is not above zero.
+// What has no value, such as a state that cannot do it.
+Status refuse(Error error, Quantity quantity = Quantity::kNone);
+
+// Refuse, naming the quantity, what is not finite; what is not above zero either; what is not in [low, high] either.
 Status check_finite(Quantity quantity, double value);
 Status check_positive(Quantity quantity, double value);
+Status check_range(Quantity quantity, double value, double low, double high);
+
+// The same of a whole number.
+Status check_count(Quantity quantity, size_t value, size_t low, size_t high);
 
 // Words for people, e.g. "above the maximum", "frequency". Not on the tick path.
 const char* text(Error error);
