@@ -177,7 +177,7 @@ Status AxisCore::make_course(const Flight& flight, const AxisState& now, Course&
   } else {
     Track::make_cruise(course.plan, course.start, course.cruise, next);
   }
-  return kOk;
+  return status;
 }
 
 // Gains below zero may raise peaks: with less acceleration and jerk until the stream keeps the limits.

@@ -36,7 +36,7 @@ Status AxisCore::set_shaper(const ShaperDesign& design, Retune when) {
   } else {
     hand_over(kShaper, epoch);
   }
-  return kOk;
+  return status;
 }
 
 Status AxisCore::fill_spare(Signal start) { return configure_spare(running(), start); }

@@ -20,7 +20,7 @@ Status AxisCore::begin_stream(const StreamConfig& config) {
   stream_begin_count_ = load(streamed_count_);
   store(stream_end_requested_, 0);
   hand_over_move(kStream, epoch);
-  return kOk;
+  return status;
 }
 
 StreamState AxisCore::stream_state() const {

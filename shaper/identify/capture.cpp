@@ -64,7 +64,7 @@ Status Capture::start(const CaptureConfig& config, CaptureWord* memory, size_t w
   flaws_ = {};
   store(triggered_, 0);
   store(state_, as_word(CaptureState::kWaiting));
-  return kOk;
+  return status;
 }
 
 void Capture::stop() { store(state_, as_word(CaptureState::kIdle)); }

@@ -193,7 +193,7 @@ Status identify(const Record& record, const IdentifyConfig& config, IdentifyScra
   result = Identification{};
   if (record.count < kLeastSamples) {
     result.finding = Finding::kTooShort;
-    return kOk;
+    return status;
   }
   const Decomposition parts = decompose(record, scratch, meanwhile);
   Report(record, config, parts, scratch, meanwhile).write(result);
@@ -204,7 +204,7 @@ Status identify(const Record& record, const IdentifyConfig& config, IdentifyScra
     result.confidence = 0.0;
   }
   if (meanwhile.is_given_up()) result.finding = Finding::kAborted;
-  return kOk;
+  return status;
 }
 
 }  // namespace stillpoint

@@ -26,7 +26,7 @@ Status StreamLimits::make(const AxisLimits& limits, double tick_s, StreamLimits&
   made.curve = ApproachCurve::make(made.velocity, made.deceleration, made.jerk);
   made.soft_curve = ApproachCurve::make(made.velocity, made.smaller_acceleration(), made.jerk);
   out = made;
-  return kOk;
+  return status;
 }
 
 }  // namespace stillpoint

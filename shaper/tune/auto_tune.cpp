@@ -212,7 +212,7 @@ Status AutoTune::start_listening() {
   if (!status.ok()) return status;
   watch_.arm(plan_.listen.tolerance, plan_.listen.window_ticks, plan_.listen.patience_ticks);
   store(listens_, 1);
-  return kOk;
+  return status;
 }
 
 void AutoTune::start_hearing() {
