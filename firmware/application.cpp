@@ -12,10 +12,8 @@ void Application::begin(AxisCore& axis, const Ports& ports) {
   drive_.begin(axis, loop_, parameters_, stream_);
   shaper_.begin(axis, parameters_, Meanwhile{serve_meanwhile, this});
   faults_.begin(ports.faults);
-  if (ports.tune != nullptr) tuner_.begin(axis, *ports.tune);
-  tuning_.begin({&axis, ports.tune != nullptr ? &tuner_ : nullptr, &drive_, &shaper_, &parameters_});
-  if (ports.tune != nullptr) tracking_.begin({&axis, &tuner_, &drive_, &shaper_, &tuning_, &parameters_});
-  const RegisterBank::Parts parts = {&axis,        &loop_,   &drive_,  &shaper_, &tuning_,
+  tuner_.begin({&axis, ports.tune, &drive_, &shaper_, &parameters_});
+  const RegisterBank::Parts parts = {&axis,        &loop_,   &drive_,  &shaper_, &tuner_,
                                      &parameters_, &faults_, &stream_, &scope_,  &keeper_};
   registers_.begin(parts);
   scope_.begin(ports.tune, parameters_, registers_.ticks_per_second());
@@ -49,9 +47,9 @@ void Application::poll() {
   if (client_.sending()) return;
   keeper_.service(load(uptime_ms_));
   shaper_.service();
-  tuning_.service(load(uptime_ms_), Meanwhile{serve_meanwhile, this});
+  tuner_.service(load(uptime_ms_), Meanwhile{serve_meanwhile, this});
   drive_.take_set_point(shaper_.waiting());
-  if (!keeper_.busy()) tracking_.service(Meanwhile{serve_meanwhile, this});
+  if (!keeper_.busy()) tuner_.follow(Meanwhile{serve_meanwhile, this});
 }
 
 void Application::serve() {
@@ -59,10 +57,9 @@ void Application::serve() {
   feed_watchdog(now);
   const uint32_t uptime_ms = load(uptime_ms_);
   registers_.set_uptime(uptime_ms);
-  drive_.set_tuning(tuning_.busy());
+  drive_.set_tuning(tuner_.busy());
   drive_.service();
-  tuning_.keep_watch();
-  tracking_.keep_watch(keeper_.busy());
+  tuner_.keep_watch(keeper_.busy());
   faults_.follow(drive_.loop(), uptime_ms);
   if (client_.poll(now)) {
     loop_.note_client();

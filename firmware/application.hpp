@@ -10,14 +10,13 @@
 #include "firmware/line_settings.hpp"
 #include "firmware/modbus_rtu.hpp"
 #include "firmware/modbus_server.hpp"
-#include "firmware/mode_tracking.hpp"
 #include "firmware/parameter_keeper.hpp"
 #include "firmware/parameters.hpp"
 #include "firmware/position_stream.hpp"
 #include "firmware/register_bank.hpp"
 #include "firmware/scope.hpp"
 #include "firmware/shaper_settings.hpp"
-#include "firmware/tuning.hpp"
+#include "firmware/tuner.hpp"
 #include "hal/byte_stream.hpp"
 #include "hal/nonvolatile.hpp"
 #include "hal/servo_port.hpp"
@@ -87,9 +86,7 @@ class Application {
   ControlLoop loop_ = {};
   Drive drive_ = {};
   ShaperSettings shaper_ = {};
-  AutoTune tuner_ = {};
-  TuneSettings tuning_ = {};
-  ModeTracking tracking_ = {};
+  Tuner tuner_ = {};
   Scope scope_ = {};
   Parameters parameters_ = {};
   FaultLog faults_ = {};

@@ -111,8 +111,7 @@ void Drive::take_target() {
   const bool at_once = (controlword_ & kControlAtOnce) != 0;
   const Signal from = moving_ && !given_up_ ? signal_from_counts(target_) : seen_.axis.demand;
   Move move = {};
-  const Status status = buffered_ && !at_once ? refuse(Error::kBusy, Quantity::kNone, 0.0)
-                                              : make_move(*parameters_, relative, from, move);
+  const Status status = buffered_ && !at_once ? refuse(Error::kBusy) : make_move(*parameters_, relative, from, move);
   if (!status.ok()) return note_move_refusal(status, *parameters_);
   if (standing_ || at_once) {
     set_point_taken_ = start(move);

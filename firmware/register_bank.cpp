@@ -183,11 +183,13 @@ ModbusException RegisterBank::check_state(const Request& request) {
     culprit = parameter.name;
     if (parameter.lock == Lock::kNeedsKey && !unlocked_) reason = kReasonLocked;
     if (parameter.effect == Effect::kCommandKey) reason = key_refusal(request.value_of(parameter));
+    const bool tracks = parameter.name == Register::kTracking && request.value_of(parameter) != 0;
+    if ((parameter.effect == Effect::kTune || tracks) && !parts_.tuner->available()) reason = kReasonNotAvailable;
     limits = limits || parameter.effect == Effect::kAxisLimits;
     commands = commands || parameter.effect == Effect::kTune || parameter.effect == Effect::kScope;
     const bool applies = parameter.effect == Effect::kApplyShaper && request.value_of(parameter) != kApplyDiscard;
     const bool needs_axis = limits || applies || parameter.effect == Effect::kVelocity;
-    if (reason == 0 && needs_axis && parts_.tuning->busy()) reason = kReasonTuning;
+    if (reason == 0 && needs_axis && parts_.tuner->busy()) reason = kReasonTuning;
     return reason == 0;
   });
   if (!good) {
@@ -236,7 +238,7 @@ ModbusException RegisterBank::do_commands(const Request& request) {
     return true;
   });
   const bool done = effect == Effect::kTune
-                        ? parts_.tuning->command(static_cast<TuneCommand>(command), staged, uptime_ms_)
+                        ? parts_.tuner->command(static_cast<TuneCommand>(command), staged, uptime_ms_)
                         : parts_.scope->command(static_cast<ScopeCommand>(command), staged);
   return done ? ModbusException::kNone : ModbusException::kDeviceBusy;
 }

@@ -11,7 +11,7 @@
 #include "firmware/position_stream.hpp"
 #include "firmware/scope.hpp"
 #include "firmware/shaper_settings.hpp"
-#include "firmware/tuning.hpp"
+#include "firmware/tuner.hpp"
 #include "shaper/axis/axis_core.hpp"
 
 namespace stillpoint::firmware {
@@ -34,7 +34,7 @@ class RegisterBank {
     ControlLoop* loop;
     Drive* drive;
     ShaperSettings* shaper;
-    TuneSettings* tuning;
+    Tuner* tuner;
     Parameters* parameters;
     const FaultLog* faults;
     PositionStream* stream;

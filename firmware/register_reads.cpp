@@ -43,7 +43,7 @@ ModbusException RegisterBank::read(uint16_t first, uint32_t count, uint16_t* wor
   parts_.scope->show();
   const bool of_tuning =
       first + count > address_of(Register::kTuneState) && first <= address_of(Register::kTuneExcitedBy);
-  if (of_tuning) parts_.tuning->show();
+  if (of_tuning) parts_.tuner->show();
   for (uint32_t i = 0; i < count; ++i) words[i] = word_at(static_cast<uint16_t>(first + i));
   return ModbusException::kNone;
 }

@@ -51,7 +51,6 @@ bool TuneSettings::command(TuneCommand command, const Parameters& staged, uint32
 }
 
 uint16_t TuneSettings::reason_against(TuneCommand command) const {
-  if (parts_.tuner == nullptr) return kReasonNotAvailable;
   const TuneState state = parts_.tuner->report().state;
   const bool busy = parts_.tuner->busy();
   const bool undoes_kept = command == TuneCommand::kUndo && state == TuneState::kKept;
@@ -146,7 +145,7 @@ void TuneSettings::keep_watch() {
 }
 
 void TuneSettings::service(uint32_t now_ms, const Meanwhile& meanwhile) {
-  if (parts_.tuner == nullptr) return;
+  if (!available()) return;
   if (leading_ && now_ms - started_ms_ < parts_.parameters->get(Register::kTuneLeadMs)) return;
   leading_ = false;
   parts_.tuner->service(meanwhile);
@@ -177,7 +176,7 @@ void TuneSettings::set(Register name, double value) {
 }
 
 void TuneSettings::show() {
-  if (parts_.tuner == nullptr) return;
+  if (!available()) return;
   const TuneReport& report = parts_.tuner->report();
   Parameters& parameters = *parts_.parameters;
   clear_shown();

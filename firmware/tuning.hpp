@@ -29,7 +29,7 @@ class TuneSettings {
  public:
   struct Parts {
     AxisCore* axis;
-    AutoTune* tuner;  // null: this drive has none
+    AutoTune* tuner;
     Drive* drive;
     ShaperSettings* shaper;
     Parameters* parameters;
@@ -50,7 +50,9 @@ class TuneSettings {
   // Brings the registers up to date.
   void show();
 
-  bool busy() const { return parts_.tuner != nullptr && parts_.tuner->busy(); }
+  // It has begun. Before that only what returns nothing may be called, and `busy`.
+  bool available() const { return parts_.tuner != nullptr; }
+  bool busy() const { return available() && parts_.tuner->busy(); }
 
  private:
   uint16_t reason_against(TuneCommand command) const;

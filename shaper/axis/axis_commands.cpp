@@ -8,18 +8,14 @@ namespace stillpoint {
 namespace {
 
 Status check_duration(const Move& move, double tick_s) {
-  if (!math::is_finite(move.duration_s)) return refuse(Error::kNotFinite, Quantity::kDuration, move.duration_s);
-  if (move.duration_s < 0.0) return refuse(Error::kBelowMinimum, Quantity::kDuration, move.duration_s, 0.0);
-  const double longest = kMaxDurationTicks * tick_s;
-  if (move.duration_s > longest) return refuse(Error::kAboveMaximum, Quantity::kDuration, move.duration_s, longest);
-  return kOk;
+  return check_range(Quantity::kDuration, move.duration_s, 0.0, kMaxDurationTicks * tick_s);
 }
 
 }  // namespace
 
 Status AxisCore::check_ready() const {
-  if (!configured_) return refuse(Error::kNotAvailable, Quantity::kNone, 0.0);
-  if (pending() || state().phase != AxisPhase::kAtRest) return refuse(Error::kBusy, Quantity::kNone, 0.0);
+  if (!configured_) return refuse(Error::kNotAvailable);
+  if (pending() || state().phase != AxisPhase::kAtRest) return refuse(Error::kBusy);
   return kOk;
 }
 
@@ -41,7 +37,7 @@ Status AxisCore::configure(const AxisConfig& config) {
 }
 
 Status AxisCore::check_move(const Move& move) const {
-  if (!configured_) return refuse(Error::kNotAvailable, Quantity::kNone, 0.0);
+  if (!configured_) return refuse(Error::kNotAvailable);
   Status status = move.limits.validate();
   if (status.ok()) status = move.limits.within(config_.maximum);
   if (status.ok()) status = check_duration(move, config_.tick_s);
@@ -103,7 +99,7 @@ Status AxisCore::command(const Move& move, MoveReport* report) {
   const AxisState now = state();
   Status status = check_move(move);
   if (!status.ok()) return status;
-  if (pending()) return refuse(Error::kBusy, Quantity::kNone, 0.0);
+  if (pending()) return refuse(Error::kBusy);
   if (now.phase != AxisPhase::kAtRest) return command_in_flight(move, report);
   const Signal start = now.setpoint;
   Signal target = start;

@@ -13,7 +13,7 @@ namespace {
 // Ticks that a plan may take to be made. One that is late is made again with twice as many.
 constexpr uint32_t kShortestLeadTicks = 4;
 
-Status busy() { return refuse(Error::kBusy, Quantity::kNone, 0.0); }
+Status busy() { return refuse(Error::kBusy); }
 
 double counts_of(Wide position) { return to_double(position, kTrackFractionBits); }
 
@@ -99,7 +99,7 @@ Status AxisCore::command_in_flight(const Move& move, MoveReport* report) {
 }
 
 Status AxisCore::jog(double velocity, const AxisLimits& limits, MoveReport* report) {
-  if (!configured_) return refuse(Error::kNotAvailable, Quantity::kNone, 0.0);
+  if (!configured_) return refuse(Error::kNotAvailable);
   Status status = limits.validate();
   if (status.ok()) status = limits.within(config_.maximum);
   if (!status.ok()) return status;
@@ -108,7 +108,7 @@ Status AxisCore::jog(double velocity, const AxisLimits& limits, MoveReport* repo
 }
 
 Status AxisCore::halt(const AxisLimits& limits, MoveReport* report) {
-  if (!configured_) return refuse(Error::kNotAvailable, Quantity::kNone, 0.0);
+  if (!configured_) return refuse(Error::kNotAvailable);
   Status status = limits.validate();
   if (status.ok()) status = limits.within(config_.maximum);
   if (!status.ok()) return status;
@@ -177,7 +177,7 @@ Status AxisCore::make_course(const Flight& flight, const AxisState& now, Course&
   } else {
     Track::make_cruise(course.plan, course.start, course.cruise, next);
   }
-  return kOk;
+  return status;
 }
 
 // Gains below zero may raise peaks: with less acceleration and jerk until the stream keeps the limits.

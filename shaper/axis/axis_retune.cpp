@@ -17,7 +17,7 @@ uint32_t first_lead(const Shaper& a, const Shaper& b) { return 16 + (a.length_ti
 
 template <typename Source>
 Status AxisCore::configure_spare(const Source& source, Signal position) {
-  if (lent_) return refuse(Error::kBusy, Quantity::kNone, 0.0);
+  if (lent_) return refuse(Error::kBusy);
   const uint32_t spare = active_shaper_ ^ 1;
   return shapers_[spare].configure(source, memory_[spare], capacity_, position);
 }
@@ -36,7 +36,7 @@ Status AxisCore::set_shaper(const ShaperDesign& design, Retune when) {
   } else {
     hand_over(kShaper, epoch);
   }
-  return kOk;
+  return status;
 }
 
 Status AxisCore::fill_spare(Signal start) { return configure_spare(running(), start); }

@@ -12,7 +12,7 @@ Status AxisCore::begin_stream(const StreamConfig& config) {
   if (status.ok()) status = config.limits.validate();
   if (status.ok()) status = config.limits.within(config_.maximum);
   if (status.ok()) status = check_wrap(config.limits.velocity);
-  if (status.ok() && !running().averages()) status = refuse(Error::kNotAvailable, Quantity::kKind, 0.0);
+  if (status.ok() && !running().averages()) status = refuse(Error::kNotAvailable, Quantity::kKind);
   if (status.ok()) status = StreamLimits::make(config.limits, config_.tick_s, stream_limits_);
   if (!status.ok()) return status;
   stream_policy_ = config.policy;
@@ -20,7 +20,7 @@ Status AxisCore::begin_stream(const StreamConfig& config) {
   stream_begin_count_ = load(streamed_count_);
   store(stream_end_requested_, 0);
   hand_over_move(kStream, epoch);
-  return kOk;
+  return status;
 }
 
 StreamState AxisCore::stream_state() const {

@@ -117,7 +117,7 @@ Status AxisCore::time_within(const Move& move, Signal start, Signal target, uint
   if (!status.ok()) return status;
   ShapedMoveCheck check = check_for(move, start, target);
   if (check.broken(plan) == Quantity::kNone) report.peaks = check.peaks();
-  return kOk;
+  return status;
 }
 
 // The raised plan and the plain one, each slowed down or sped up to what is available, if its stream keeps the limits

@@ -30,7 +30,7 @@ class ShaperSets {
     if (!status.ok()) return status;
     designs_[index] = design;
     stored_[index] = true;
-    return kOk;
+    return status;
   }
 
   // Hands the set over to the axis by AxisCore::set_shaper, which says when it takes effect and what it refuses

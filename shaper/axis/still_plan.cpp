@@ -70,7 +70,7 @@ Status write_halves(const Plan& plain, const AxisLimits& limits, const Mode& mod
   write_move(second, plain.optimum_ticks, {3, 15, 4}, sequence);
   const double between = 0.5 / (mode.frequency_hz * root * tick_s) - (first.optimum_ticks + second.optimum_ticks) / 2.0;
   sequence.length[9] = between > 0.0 ? between / plain.optimum_ticks : 0.0;
-  return kOk;
+  return status;
 }
 
 // False if there are too many parts.

@@ -5,6 +5,8 @@
 
 namespace stillpoint {
 
+Status refuse(Error error, Quantity quantity) { return refuse(error, quantity, 0.0); }
+
 Status check_finite(Quantity quantity, double value) {
   return math::is_finite(value) ? kOk : refuse(Error::kNotFinite, quantity, value);
 }
@@ -12,6 +14,17 @@ Status check_finite(Quantity quantity, double value) {
 Status check_positive(Quantity quantity, double value) {
   if (math::is_finite(value) && !(value > 0.0)) return refuse(Error::kNotPositive, quantity, value);
   return check_finite(quantity, value);
+}
+
+Status check_range(Quantity quantity, double value, double low, double high) {
+  if (!math::is_finite(value)) return refuse(Error::kNotFinite, quantity, value);
+  if (value < low) return refuse(Error::kBelowMinimum, quantity, value, low);
+  if (value > high) return refuse(Error::kAboveMaximum, quantity, value, high);
+  return kOk;
+}
+
+Status check_count(Quantity quantity, size_t value, size_t low, size_t high) {
+  return check_range(quantity, static_cast<double>(value), static_cast<double>(low), static_cast<double>(high));
 }
 
 const char* text(Error error) {

@@ -2,6 +2,7 @@
 // How the module refuses: what is wrong, with which quantity, which value it had, which value would be accepted.
 #pragma once
 
+#include <stddef.h>
 #include <stdint.h>
 
 namespace stillpoint {
@@ -71,8 +72,11 @@ struct [[nodiscard]] Status {
   double accepted = 0.0;  // the nearest value that would have been accepted, same unit; 0 where there is none
 
   constexpr Status() = default;
-  constexpr Status(const Status&) = default;
-  // Out of line: it is assigned in a hundred places.
+  constexpr Status(Error why, Quantity what, double refused, double nearest)
+      : error(why), quantity(what), value(refused), accepted(nearest) {}
+  // Out of line: it is copied and assigned in two hundred places.
+  [[gnu::noinline]] constexpr Status(const Status& other)
+      : error(other.error), quantity(other.quantity), value(other.value), accepted(other.accepted) {}
   [[gnu::noinline]] constexpr Status& operator=(const Status& other) {
     error = other.error;
     quantity = other.quantity;
@@ -84,15 +88,27 @@ struct [[nodiscard]] Status {
   constexpr bool ok() const { return error == Error::kNone; }
 };
 
-constexpr Status kOk{};
+// Nothing refused. It is a Status wherever one is wanted, made out of line.
+struct Accepted {
+  [[gnu::noinline]] constexpr operator Status() const { return Status{}; }  // NOLINT(google-explicit-constructor)
+};
+
+constexpr Accepted kOk{};
 
 constexpr Status refuse(Error error, Quantity quantity, double value, double accepted = 0.0) {
   return Status{error, quantity, value, accepted};
 }
 
-// Refuse, naming the quantity, what is not finite; and what is not above zero.
+// What has no value, such as a state that cannot do it.
+Status refuse(Error error, Quantity quantity = Quantity::kNone);
+
+// Refuse, naming the quantity, what is not finite; what is not above zero either; what is not in [low, high] either.
 Status check_finite(Quantity quantity, double value);
 Status check_positive(Quantity quantity, double value);
+Status check_range(Quantity quantity, double value, double low, double high);
+
+// The same of a whole number.
+Status check_count(Quantity quantity, size_t value, size_t low, size_t high);
 
 // Words for people, e.g. "above the maximum", "frequency". Not on the tick path.
 const char* text(Error error);

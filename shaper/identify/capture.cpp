@@ -11,12 +11,6 @@ constexpr uint32_t kMaxDecimation = UINT32_C(1) << 16;
 
 constexpr uint32_t as_word(CaptureState state) { return static_cast<uint32_t>(state); }
 
-Status outside(Quantity quantity, uint32_t value, uint32_t low, uint32_t high) {
-  if (value < low) return refuse(Error::kBelowMinimum, quantity, value, low);
-  if (value > high) return refuse(Error::kAboveMaximum, quantity, value, high);
-  return kOk;
-}
-
 int32_t mean_of(int64_t sum, uint32_t shift) {
   return static_cast<int32_t>((sum + ((INT64_C(1) << shift) >> 1)) >> shift);
 }
@@ -32,12 +26,12 @@ void reverse(CaptureWord* words, size_t first, size_t end) {
 }  // namespace
 
 Status CaptureConfig::validate(size_t words) const {
-  Status status = outside(Quantity::kChannels, channels, 1, kMaxChannels);
+  Status status = check_count(Quantity::kChannels, channels, 1, kMaxChannels);
   if (!status.ok()) return status;
   const auto most = static_cast<uint32_t>(words / channels);
-  status = outside(Quantity::kSamples, samples == 0 ? most : samples, 1, most);
-  if (status.ok()) status = outside(Quantity::kPreTrigger, pre_trigger, 0, (samples == 0 ? most : samples) - 1);
-  if (status.ok()) status = outside(Quantity::kDecimation, decimation, 1, kMaxDecimation);
+  status = check_count(Quantity::kSamples, samples == 0 ? most : samples, 1, most);
+  if (status.ok()) status = check_count(Quantity::kPreTrigger, pre_trigger, 0, (samples == 0 ? most : samples) - 1);
+  if (status.ok()) status = check_count(Quantity::kDecimation, decimation, 1, kMaxDecimation);
   if (!status.ok()) return status;
   if (!mean || (decimation & (decimation - 1)) == 0) return kOk;
   uint32_t below = 1;
@@ -70,7 +64,7 @@ Status Capture::start(const CaptureConfig& config, CaptureWord* memory, size_t w
   flaws_ = {};
   store(triggered_, 0);
   store(state_, as_word(CaptureState::kWaiting));
-  return kOk;
+  return status;
 }
 
 void Capture::stop() { store(state_, as_word(CaptureState::kIdle)); }

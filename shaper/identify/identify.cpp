@@ -177,12 +177,9 @@ const char* text(Finding finding) {
 }
 
 Status IdentifyConfig::validate() const {
-  if (!math::is_finite(rate_hz)) return refuse(Error::kNotFinite, Quantity::kFrequency, rate_hz);
-  if (!(rate_hz > 0.0)) return refuse(Error::kNotPositive, Quantity::kFrequency, rate_hz);
-  if (most_modes < 1) return refuse(Error::kBelowMinimum, Quantity::kStages, 0.0, 1.0);
-  if (most_modes > kMostComponents) {
-    return refuse(Error::kAboveMaximum, Quantity::kStages, static_cast<double>(most_modes), kMostComponents);
-  }
+  Status status = check_positive(Quantity::kFrequency, rate_hz);
+  if (status.ok()) status = check_count(Quantity::kStages, most_modes, 1, kMostComponents);
+  if (!status.ok()) return status;
   if (!(least_amplitude >= 0.0)) return refuse(Error::kBelowMinimum, Quantity::kTolerance, least_amplitude, 0.0);
   if (least_amplitude > 1.0) return refuse(Error::kAboveMaximum, Quantity::kTolerance, least_amplitude, 1.0);
   return kOk;
@@ -196,7 +193,7 @@ Status identify(const Record& record, const IdentifyConfig& config, IdentifyScra
   result = Identification{};
   if (record.count < kLeastSamples) {
     result.finding = Finding::kTooShort;
-    return kOk;
+    return status;
   }
   const Decomposition parts = decompose(record, scratch, meanwhile);
   Report(record, config, parts, scratch, meanwhile).write(result);
@@ -207,7 +204,7 @@ Status identify(const Record& record, const IdentifyConfig& config, IdentifyScra
     result.confidence = 0.0;
   }
   if (meanwhile.is_given_up()) result.finding = Finding::kAborted;
-  return kOk;
+  return status;
 }
 
 }  // namespace stillpoint

@@ -347,10 +347,9 @@ Status check(const BinAnswer* answers, size_t count) {
   double before = 0.0;
   for (size_t n = 0; n < count; ++n) {
     const BinAnswer& answer = answers[n];
-    const double all = answer.re + answer.im + answer.spread;
-    if (!math::is_finite(answer.frequency_hz))
-      return refuse(Error::kNotFinite, Quantity::kFrequency, answer.frequency_hz);
-    if (!math::is_finite(all)) return refuse(Error::kNotFinite, Quantity::kSamples, all);
+    Status status = check_finite(Quantity::kFrequency, answer.frequency_hz);
+    if (status.ok()) status = check_finite(Quantity::kSamples, answer.re + answer.im + answer.spread);
+    if (!status.ok()) return status;
     if (!(answer.frequency_hz > before))
       return refuse(Error::kBelowMinimum, Quantity::kFrequency, answer.frequency_hz, before);
     if (answer.spread < 0.0) return refuse(Error::kBelowMinimum, Quantity::kSamples, answer.spread, 0.0);
@@ -362,10 +361,9 @@ Status check(const BinAnswer* answers, size_t count) {
 }  // namespace
 
 Status ResponseConfig::validate() const {
-  if (power > 2) return refuse(Error::kAboveMaximum, Quantity::kKind, static_cast<double>(power), 2.0);
-  if (most_modes < 1) return refuse(Error::kBelowMinimum, Quantity::kStages, 0.0, 1.0);
-  if (most_modes > kMostResponseModes)
-    return refuse(Error::kAboveMaximum, Quantity::kStages, static_cast<double>(most_modes), kMostResponseModes);
+  Status status = check_count(Quantity::kKind, power, 0, 2);
+  if (status.ok()) status = check_count(Quantity::kStages, most_modes, 1, kMostResponseModes);
+  if (!status.ok()) return status;
   if (delay_s < 0.0) return refuse(Error::kBelowMinimum, Quantity::kDelay, delay_s, 0.0);
   return check_finite(Quantity::kDelay, delay_s);
 }

@@ -112,7 +112,7 @@ Status plan_curve(double distance, const AxisLimits& limits, ProfileKind kind, d
   if (ramps) {
     phases = shortest_sine(math::magnitude(distance), limits);
   } else {
-    if (table == nullptr) return refuse(Error::kNotAvailable, Quantity::kTable, 0.0);
+    if (table == nullptr) return refuse(Error::kNotAvailable, Quantity::kTable);
     const Status status = table->validate();
     if (!status.ok()) return status;
     phases.cruise = shortest_table(*table, math::magnitude(distance), limits);

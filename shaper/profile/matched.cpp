@@ -279,10 +279,11 @@ void write_matched(Plan& plan, uint32_t duration_ticks) {
 Status plan_matched(double distance, const AxisLimits& limits, double tick_s, const ProfileDetail& detail, Plan& out) {
   const double frequency = detail.frequency_hz;
   const double damping = detail.damping_ratio;
-  if (!math::is_finite(frequency)) return refuse(Error::kNotFinite, Quantity::kFrequency, frequency);
-  if (!(frequency > 0.0)) return refuse(Error::kNotPositive, Quantity::kFrequency, frequency);
+  Status status = check_positive(Quantity::kFrequency, frequency);
+  if (!status.ok()) return status;
   if (!(frequency * tick_s <= 0.5)) return refuse(Error::kAboveMaximum, Quantity::kFrequency, frequency, 0.5 / tick_s);
-  if (!math::is_finite(damping)) return refuse(Error::kNotFinite, Quantity::kDampingRatio, damping);
+  status = check_finite(Quantity::kDampingRatio, damping);
+  if (!status.ok()) return status;
   if (damping < 0.0) return refuse(Error::kBelowMinimum, Quantity::kDampingRatio, damping, 0.0);
   if (damping >= 1.0) return refuse(Error::kAboveMaximum, Quantity::kDampingRatio, damping, 1.0 - DBL_EPSILON);
   const double root = math::sqrt((1.0 - damping) * (1.0 + damping));

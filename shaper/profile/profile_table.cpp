@@ -10,12 +10,10 @@ namespace {
 double from_node(int64_t node) { return static_cast<double>(node) / static_cast<double>(kTableOne); }
 
 Status check_shape(const ProfileTable& table) {
-  if (table.order < 1) return refuse(Error::kBelowMinimum, Quantity::kTable, table.order, 1);
-  if (table.order > kMaxTableOrder) return refuse(Error::kAboveMaximum, Quantity::kTable, table.order, kMaxTableOrder);
-  if (table.spans < 1) return refuse(Error::kBelowMinimum, Quantity::kTable, table.spans, 1);
-  if (table.spans > kMaxTableSpans) return refuse(Error::kAboveMaximum, Quantity::kTable, table.spans, kMaxTableSpans);
-  if (table.nodes == nullptr) return refuse(Error::kNotAvailable, Quantity::kTable, 0.0);
-  return kOk;
+  Status status = check_count(Quantity::kTable, table.order, 1, kMaxTableOrder);
+  if (status.ok()) status = check_count(Quantity::kTable, table.spans, 1, kMaxTableSpans);
+  if (status.ok() && table.nodes == nullptr) status = refuse(Error::kNotAvailable, Quantity::kTable);
+  return status;
 }
 
 // At rest at `position`; from order 2 on without acceleration, whose step would be a jerk without limit.
@@ -31,11 +29,10 @@ Status check_end(const ProfileTable& table, const int64_t* knot, int64_t positio
 
 Status check_peaks(const TablePeaks& peaks) {
   const double values[] = {peaks.velocity, peaks.acceleration, peaks.deceleration, peaks.jerk};
-  for (size_t i = 0; i < sizeof values / sizeof values[0]; ++i) {
-    if (!math::is_finite(values[i])) return refuse(Error::kNotFinite, Quantity::kTable, values[i]);
-    if (!(values[i] > 0.0)) return refuse(Error::kNotPositive, Quantity::kTable, values[i]);
-  }
-  return kOk;
+  Status status;
+  for (size_t i = 0; i < sizeof values / sizeof values[0] && status.ok(); ++i)
+    status = check_positive(Quantity::kTable, values[i]);
+  return status;
 }
 
 }  // namespace

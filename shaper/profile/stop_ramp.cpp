@@ -8,12 +8,12 @@
 namespace stillpoint {
 
 Status StopLimits::make(double deceleration, double jerk, double tick_s, StopLimits& out) {
-  if (!math::is_finite(tick_s)) return refuse(Error::kNotFinite, Quantity::kTick, tick_s);
-  if (!(tick_s > 0.0)) return refuse(Error::kNotPositive, Quantity::kTick, tick_s);
+  Status status = check_positive(Quantity::kTick, tick_s);
+  if (!status.ok()) return status;
   const double per_tick_2 = tick_s * tick_s * static_cast<double>(kSignalPerCount);
   constexpr int64_t kMost = kMotionLimit - 1;
   StopLimits made{};
-  Status status = limit_in_lsb(Quantity::kDeceleration, deceleration, per_tick_2, 1, kMost, made.deceleration);
+  status = limit_in_lsb(Quantity::kDeceleration, deceleration, per_tick_2, 1, kMost, made.deceleration);
   if (status.ok()) status = limit_in_lsb(Quantity::kJerk, jerk, per_tick_2 * tick_s, 1, kMost, made.jerk);
   if (status.ok()) out = made;
   return status;

@@ -9,10 +9,8 @@ namespace stillpoint {
 
 // A velocity within V changes by at most 2V, an acceleration within 2V by 4V: what is above limits nothing.
 Status StreamLimits::make(const AxisLimits& limits, double tick_s, StreamLimits& out) {
-  Status status = limits.validate();
+  Status status = limits.validate(tick_s);
   if (!status.ok()) return status;
-  if (!math::is_finite(tick_s)) return refuse(Error::kNotFinite, Quantity::kTick, tick_s);
-  if (!(tick_s > 0.0)) return refuse(Error::kNotPositive, Quantity::kTick, tick_s);
   const double per_tick = tick_s * static_cast<double>(kSignalPerCount);
   const double per_tick_2 = per_tick * tick_s;
   const double per_tick_3 = per_tick_2 * tick_s;
@@ -28,7 +26,7 @@ Status StreamLimits::make(const AxisLimits& limits, double tick_s, StreamLimits&
   made.curve = ApproachCurve::make(made.velocity, made.deceleration, made.jerk);
   made.soft_curve = ApproachCurve::make(made.velocity, made.smaller_acceleration(), made.jerk);
   out = made;
-  return kOk;
+  return status;
 }
 
 }  // namespace stillpoint

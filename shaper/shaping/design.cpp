@@ -91,12 +91,6 @@ Status check_room(const GridShaper& shaper, const ShaperDesign& design) {
   return kOk;
 }
 
-Status check_tick(double tick_s) {
-  if (!math::is_finite(tick_s)) return refuse(Error::kNotFinite, Quantity::kTick, tick_s);
-  if (!(tick_s > 0.0)) return refuse(Error::kNotPositive, Quantity::kTick, tick_s);
-  return kOk;
-}
-
 Status realise(const ShaperSpec& spec, double tick_s, GridShaper& shaper, PlacementReport& report,
                const Meanwhile& meanwhile) {
   Prototype prototype;
@@ -178,7 +172,7 @@ Status add_shaper(const ShaperSpec& spec, double tick_s, ShaperDesign& design, P
     return kOk;
   }
   Status status = spec.validate();
-  if (status.ok()) status = check_tick(tick_s);
+  if (status.ok()) status = check_positive(Quantity::kTick, tick_s);
   if (!status.ok()) return status;
   GridShaper shaper;
   status = realise(spec.with_defaults(), tick_s, shaper, placed, meanwhile);

@@ -8,9 +8,9 @@
 namespace stillpoint {
 
 Status Mode::validate() const {
-  if (!math::is_finite(frequency_hz)) return refuse(Error::kNotFinite, Quantity::kFrequency, frequency_hz);
-  if (!(frequency_hz > 0.0)) return refuse(Error::kNotPositive, Quantity::kFrequency, frequency_hz);
-  if (!math::is_finite(damping_ratio)) return refuse(Error::kNotFinite, Quantity::kDampingRatio, damping_ratio);
+  Status status = check_positive(Quantity::kFrequency, frequency_hz);
+  if (status.ok()) status = check_finite(Quantity::kDampingRatio, damping_ratio);
+  if (!status.ok()) return status;
   if (damping_ratio < 0.0) return refuse(Error::kBelowMinimum, Quantity::kDampingRatio, damping_ratio, 0.0);
   if (damping_ratio >= 1.0)
     return refuse(Error::kAboveMaximum, Quantity::kDampingRatio, damping_ratio, 1.0 - DBL_EPSILON);

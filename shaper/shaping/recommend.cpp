@@ -165,13 +165,10 @@ bool is_better(const Candidate& a, const Candidate& b) {
 }
 
 Status recommend(const ModeBand& band, double tolerance, double tick_s, Candidate& out) {
-  if (!math::is_finite(tick_s)) return refuse(Error::kNotFinite, Quantity::kTick, tick_s);
-  if (!(tick_s > 0.0)) return refuse(Error::kNotPositive, Quantity::kTick, tick_s);
-  const Status status = band.validate(tick_s);
+  Status status = check_positive(Quantity::kTick, tick_s);
+  if (status.ok()) status = band.validate(tick_s);
+  if (status.ok()) status = check_range(Quantity::kTolerance, tolerance, kMinTolerance, kMaxTolerance);
   if (!status.ok()) return status;
-  if (!math::is_finite(tolerance)) return refuse(Error::kNotFinite, Quantity::kTolerance, tolerance);
-  if (tolerance < kMinTolerance) return refuse(Error::kBelowMinimum, Quantity::kTolerance, tolerance, kMinTolerance);
-  if (tolerance > kMaxTolerance) return refuse(Error::kAboveMaximum, Quantity::kTolerance, tolerance, kMaxTolerance);
   Candidate best{};
   for (uint32_t i = 0; i < kRecommendCandidates; ++i) {
     const Candidate candidate = try_candidate(i, band, tolerance, tick_s);

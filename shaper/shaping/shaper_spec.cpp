@@ -7,20 +7,13 @@ namespace stillpoint {
 
 namespace {
 
-Status check_range(double value, double low, double high, Quantity quantity) {
-  if (!math::is_finite(value)) return refuse(Error::kNotFinite, quantity, value);
-  if (value < low) return refuse(Error::kBelowMinimum, quantity, value, low);
-  if (value > high) return refuse(Error::kAboveMaximum, quantity, value, high);
-  return kOk;
-}
-
 double next_above(double x) { return math::from_bits(math::bits_of(x) + 1); }  // x >= 0
 
 }  // namespace
 
 Status ImpulseTrain::validate() const {
-  if (count < 1) return refuse(Error::kBelowMinimum, Quantity::kImpulses, count, 1);
-  if (count > kMaxImpulses) return refuse(Error::kAboveMaximum, Quantity::kImpulses, count, kMaxImpulses);
+  Status status = check_count(Quantity::kImpulses, count, 1, kMaxImpulses);
+  if (!status.ok()) return status;
   constexpr double kSumTolerance = 1e-3;
   constexpr double kLargest = 1.9;
   constexpr double kLargestSize = 3.5;
@@ -28,9 +21,9 @@ Status ImpulseTrain::validate() const {
   double size = 0.0;
   for (uint32_t i = 0; i < count; ++i) {
     const Impulse& impulse = impulses[i];
-    if (!math::is_finite(impulse.time)) return refuse(Error::kNotFinite, Quantity::kImpulseTime, impulse.time);
-    if (!math::is_finite(impulse.amplitude))
-      return refuse(Error::kNotFinite, Quantity::kImpulseAmplitude, impulse.amplitude);
+    status = check_finite(Quantity::kImpulseTime, impulse.time);
+    if (status.ok()) status = check_finite(Quantity::kImpulseAmplitude, impulse.amplitude);
+    if (!status.ok()) return status;
     const double before = i > 0 ? impulses[i - 1].time : 0.0;
     if (i == 0 && impulse.time > 0.0) return refuse(Error::kAboveMaximum, Quantity::kImpulseTime, impulse.time, 0.0);
     if (i == 0 && impulse.time < 0.0) return refuse(Error::kBelowMinimum, Quantity::kImpulseTime, impulse.time, 0.0);
@@ -59,9 +52,9 @@ Status ShaperSpec::validate() const {
     return refuse(Error::kAboveMaximum, Quantity::kKind, static_cast<double>(kind), kShaperKinds - 1);
   const ShaperSpec given = with_defaults();
   Status status = Mode{mode.frequency_hz, 0.0}.validate();
-  if (status.ok()) status = check_range(mode.damping_ratio, 0.0, kMaxDampingRatio, Quantity::kDampingRatio);
-  if (status.ok()) status = check_range(given.tolerance, kMinTolerance, kMaxTolerance, Quantity::kTolerance);
-  if (status.ok()) status = check_range(given.spacing, kMinSpacing, kMaxSpacing, Quantity::kSpacing);
+  if (status.ok()) status = check_range(Quantity::kDampingRatio, mode.damping_ratio, 0.0, kMaxDampingRatio);
+  if (status.ok()) status = check_range(Quantity::kTolerance, given.tolerance, kMinTolerance, kMaxTolerance);
+  if (status.ok()) status = check_range(Quantity::kSpacing, given.spacing, kMinSpacing, kMaxSpacing);
   if (!status.ok() || kind != ShaperKind::kCustom) return status;
   if (train == nullptr) return refuse(Error::kNotAvailable, Quantity::kImpulses, 0.0, 1.0);
   return train->validate();

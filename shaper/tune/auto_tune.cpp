@@ -9,7 +9,7 @@ namespace {
 
 constexpr uint32_t kMadeUpTicks = 4;  // of the stream that excites; the tick misses none
 
-Status busy_now() { return refuse(Error::kBusy, Quantity::kNone, 0.0); }
+Status busy_now() { return refuse(Error::kBusy); }
 
 bool is_an_end(TuneState state) {
   return state == TuneState::kIdle || state == TuneState::kKept || state == TuneState::kUndone ||
@@ -30,10 +30,10 @@ bool AutoTune::at_rest() const { return !axis_->pending() && axis_->state().phas
 // --- what is asked of it --------------------------------------------------------------------------------------------
 
 Status AutoTune::start(const TuneConfig& config, Announcement* announced) {
-  if (axis_ == nullptr) return refuse(Error::kNotAvailable, Quantity::kNone, 0.0);
+  if (axis_ == nullptr) return refuse(Error::kNotAvailable);
   if (busy() || !at_rest()) return busy_now();
   size_t doubles = 0;
-  if (axis_->lend_memory(doubles) == nullptr) return refuse(Error::kNotAvailable, Quantity::kNone, 0.0);
+  if (axis_->lend_memory(doubles) == nullptr) return refuse(Error::kNotAvailable);
   axis_->take_memory_back();
   TunePlan plan{};
   stop_following();
@@ -212,7 +212,7 @@ Status AutoTune::start_listening() {
   if (!status.ok()) return status;
   watch_.arm(plan_.listen.tolerance, plan_.listen.window_ticks, plan_.listen.patience_ticks);
   store(listens_, 1);
-  return kOk;
+  return status;
 }
 
 void AutoTune::start_hearing() {

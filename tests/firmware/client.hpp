@@ -93,6 +93,11 @@ struct Client {
   }
   uint32_t status() { return get(0x0041); }
 
+  void expect_refused(uint32_t reason, uint32_t culprit) {
+    TEST_ASSERT_EQUAL_UINT32(reason, get(0x0012));
+    TEST_ASSERT_EQUAL_UINT32(culprit, get(0x0013));
+  }
+
   void control(uint32_t word) { TEST_ASSERT_EQUAL_UINT32(0, write_single(0x0040, word)); }
 
   void enable() {

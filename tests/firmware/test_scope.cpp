@@ -81,11 +81,6 @@ struct ScopeRig : ServoHolder, Drive402 {
   }
 
   const LoggingServo::Tick& at(int32_t tick) { return servo_end.log[static_cast<size_t>(tick)]; }
-
-  void expect_refused(uint32_t reason, uint32_t culprit) {
-    TEST_ASSERT_EQUAL_UINT32(reason, get(0x0012));
-    TEST_ASSERT_EQUAL_UINT32(culprit, get(0x0013));
-  }
 };
 
 TEST_F(ScopeRig, every_sample_is_the_ticks_that_it_says_whatever_the_decimation_and_the_pretrigger) {

@@ -110,11 +110,6 @@ struct TuneRig : ArmServoHolder, Drive402 {
     }
     return largest;
   }
-
-  void expect_refused(uint32_t reason, uint32_t culprit) {
-    TEST_ASSERT_EQUAL_UINT32(reason, get(0x0012));
-    TEST_ASSERT_EQUAL_UINT32(culprit, get(0x0013));
-  }
 };
 
 struct Tunable : TuneRig {

@@ -14,6 +14,7 @@ using namespace stillpoint::testing;
 namespace {
 
 const std::string kProduction = STILLPOINT_CHIP_TREE "/stillpoint.elf";
+const std::string kLean = STILLPOINT_CHIP_TREE "/stillpoint-lean.elf";
 const std::string kCampaign = STILLPOINT_CHIP_TREE "/stillpoint_campaign.elf";
 
 // How often a request, or a group, may be asked again.
@@ -100,3 +101,4 @@ TEST(every_row_of_the_conformance_table_is_answered_byte_for_byte_by_the_chip) {
 // keep up it sees silence inside a frame and drops it, as on a bad line (see sim::Session). So a request without an
 // answer is sent again, and a group in which one that must not be answered was lost is asked again on a fresh chip.
 TEST(the_production_image_answers_the_same_over_its_serial_line) { check(kProduction, {20, 5}); }
+TEST(so_does_the_lean_one) { check(kLean, {20, 5}); }
