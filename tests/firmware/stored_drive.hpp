@@ -32,6 +32,14 @@ struct Stored : Drive402 {
     return refused;
   }
   uint32_t result() { return get(0x0015); }
+
+  // 11 Hz, 0.11, of this kind, staged in this set and applied.
+  void apply(uint16_t set, uint16_t kind) {
+    TEST_ASSERT_EQUAL_UINT32(0, write(0x0100, {1, set, 0x0001, 0xADB0, 11000, 500, kind}));
+    TEST_ASSERT_EQUAL_UINT32(0, write_single(0x0130, 1));
+    step(100);
+    TEST_ASSERT_EQUAL_UINT32(1, get(0x0131));
+  }
 };
 
 struct Memory {

@@ -7,14 +7,6 @@ using namespace stillpoint::testing;
 
 namespace {
 
-// 11 Hz, 0.11, of this kind, staged in this set and applied.
-void apply(Stored& drive, uint16_t set, uint16_t kind) {
-  TEST_ASSERT_EQUAL_UINT32(0, drive.write(0x0100, {1, set, 0x0001, 0xADB0, 11000, 500, kind}));
-  TEST_ASSERT_EQUAL_UINT32(0, drive.write_single(0x0130, 1));
-  drive.step(100);
-  TEST_ASSERT_EQUAL_UINT32(1, drive.get(0x0131));
-}
-
 bool same_design(const ShaperDesign& a, const ShaperDesign& b) {
   if (a.stage_count != b.stage_count || a.tap_count != b.tap_count) return false;
   for (uint32_t i = 0; i < a.tap_count; ++i) {
@@ -26,7 +18,7 @@ bool same_design(const ShaperDesign& a, const ShaperDesign& b) {
 TEST_F(Memory, the_shaper_in_force_is_in_force_again_after_a_power_cycle) {
   for (const uint16_t kind : std::initializer_list<uint16_t>{1, 2, 5}) {
     TEST_INFO("kind", kind);
-    apply(*now, 6, kind);
+    now->apply(6, kind);
     // Edited since, and not applied: that stays staged.
     TEST_ASSERT_EQUAL_UINT32(0, now->write_wide(0x0102, 123456));
     TEST_ASSERT_EQUAL_UINT32(0, now->command(kSave));
@@ -55,7 +47,7 @@ TEST_F(Memory, the_shaper_in_force_is_in_force_again_after_a_power_cycle) {
 }
 
 TEST_F(Memory, without_a_shaper_in_force_none_is_after_a_power_cycle) {
-  apply(*now, 0, 1);
+  now->apply(0, 1);
   TEST_ASSERT_EQUAL_UINT32(0, now->command(kSave));
   TEST_ASSERT_EQUAL_UINT32(0, now->write_single(0x0100, 0));
   TEST_ASSERT_EQUAL_UINT32(0, now->write_single(0x0130, 1));
@@ -71,7 +63,7 @@ TEST_F(Memory, without_a_shaper_in_force_none_is_after_a_power_cycle) {
 
 // Old or new, never none and never half of each: the frequency staged and the one that is in force belong together.
 TEST_F(Memory, a_save_that_was_cut_leaves_one_shaper_in_force) {
-  apply(*now, 0, 1);
+  now->apply(0, 1);
   TEST_ASSERT_EQUAL_UINT32(0, now->command(kSave));
   const uint32_t old_us = now->get_wide(0x0134);
   TEST_ASSERT_EQUAL_UINT32(0, now->write_wide(0x0102, 132000));
@@ -109,7 +101,7 @@ TEST_F(Memory, a_save_that_was_cut_leaves_one_shaper_in_force) {
 
 // The link holds its commits back; whoever enables and commands meanwhile waits for the shaper.
 TEST_F(Memory, no_motion_begins_before_the_shaper_is_in_force) {
-  apply(*now, 0, 1);
+  now->apply(0, 1);
   TEST_ASSERT_EQUAL_UINT32(0, now->command(kSave));
   power_cycle();
   now->servo.commit = false;
@@ -133,7 +125,7 @@ TEST_F(Memory, no_motion_begins_before_the_shaper_is_in_force) {
 
 // A design that takes long: the client is answered and may enable; what it commands waits.
 TEST_F(Memory, the_drive_answers_while_it_designs) {
-  apply(*now, 0, 7);
+  now->apply(0, 7);
   TEST_ASSERT_EQUAL_UINT32(0, now->command(kSave));
   power_cycle();
   uint32_t reads = 0;
@@ -151,33 +143,8 @@ TEST_F(Memory, the_drive_answers_while_it_designs) {
   TEST_ASSERT_EQUAL_UINT32(1, now->get(0x0131));
 }
 
-// Saved where the line is as long as it is; a firmware with a slower tick, or a shorter line, cannot hold it.
-TEST_F(Memory, a_shaper_that_is_refused_at_the_start_is_named_and_the_drive_starts_without) {
-  TEST_ASSERT_EQUAL_UINT32(0, now->write(0x0100, {1, 0, 0, 5000, 0, 0, 2}));  // a ZVD of 0.5 Hz: as long as fits
-  TEST_ASSERT_EQUAL_UINT32(0, now->write_single(0x0130, 1));
-  now->step(100);
-  TEST_ASSERT_EQUAL_UINT32(1, now->get(0x0131));
-  TEST_ASSERT_EQUAL_UINT32(0, now->command(kSave));
-  replace(8U << 16 | 0x0102U, 2500);
-  power_cycle();
-  now->step(5);
-  TEST_ASSERT_EQUAL_UINT32(0, now->axis.shaper().stage_count);
-  TEST_ASSERT_EQUAL_UINT32(3, now->get(0x0131));
-  TEST_ASSERT_TRUE(now->get(0x0132) != 0);
-  TEST_ASSERT_EQUAL_UINT32(now->get(0x0132), now->get(0x0012));
-  TEST_ASSERT_EQUAL_UINT32(0x0102, now->get(0x0013));
-  TEST_ASSERT_EQUAL_UINT32(4, now->get(0x0011));
-  now->enable();
-  TEST_ASSERT_EQUAL_UINT32(0x80, now->status() & 0x80);
-  now->start_move(20000);
-  now->step(1000);
-  TEST_ASSERT_EQUAL_INT64(20000 * kCount, now->servo.setpoint());
-  apply(*now, 1, 1);
-  TEST_ASSERT_EQUAL_UINT32(0, now->get(0x0011));
-}
-
 TEST_F(Memory, defaults_take_the_shaper_off_and_it_stays_off_once_they_are_saved) {
-  apply(*now, 2, 1);
+  now->apply(2, 1);
   TEST_ASSERT_EQUAL_UINT32(0, now->command(kSave));
   TEST_ASSERT_EQUAL_UINT32(0, now->command(kDefaults));
   now->step(5);
