@@ -74,6 +74,10 @@ constexpr Entry soft_limit(R name, const char* text) {
   return with(Effect::kAxisLimits, locked(value(name, T::kI32, 0x607D, kI32Min, kI32Max, 0, text, "counts")));
 }
 
+constexpr Entry pulse_ratio(R name, uint32_t initial, const char* text) {
+  return locked(value(name, T::kU32, 0, 1, kI32Max, initial, text, ""));
+}
+
 // One of a move's.
 constexpr Entry profile(R name, uint16_t object, uint32_t initial, R ceiling, const char* text, const char* unit) {
   Entry parameter = value(name, T::kU32, object, 1, kU32Max, initial, text, unit);
@@ -200,6 +204,9 @@ constexpr Entry kTable[kParameterCount] = {
     shown(R::kStreamRoom, T::kU16, 0, kStreamPositions, "stream room"),
     shown(R::kStreamLimitedTicks, T::kU32, 0, 0, "stream limited ticks", "ticks"),
     shown(R::kStreamUnderruns, T::kU32, 0, 0, "stream underruns"),
+
+    pulse_ratio(R::kPulseRatioPulses, 1, "pulse output, from the next start on: so many pulses are"),
+    pulse_ratio(R::kPulseRatioCounts, 100, "pulse output, from the next start on: so many counts"),
 
     value(R::kModeCount, T::kU16, 0, 0, kMaxModes, 0, "modes staged", ""),
     with(Effect::kShaperSet, value(R::kShaperSet, T::kU16, 0, 0, kShaperSets - 1, 0, "shaper set", "")),

@@ -41,6 +41,24 @@ TEST_F(Memory, everything_written_and_saved_is_there_after_a_power_cycle) {
   TEST_ASSERT_EQUAL_INT64(20000 * kCount, now->servo.setpoint());
 }
 
+TEST_F(Memory, the_pulse_ratio_changes_with_the_next_start) {
+  TEST_ASSERT_EQUAL_UINT32(1, now->get_wide(0x00D0));
+  TEST_ASSERT_EQUAL_UINT32(100, now->get_wide(0x00D2));
+  TEST_ASSERT_EQUAL_UINT32(6, now->write_wide(0x00D2, 64));  // locked
+  now->unlock();
+  TEST_ASSERT_EQUAL_UINT32(3, now->write_wide(0x00D0, 0));
+  TEST_ASSERT_EQUAL_UINT32(1, now->get_wide(0x0016));
+  TEST_ASSERT_EQUAL_UINT32(3, now->write_wide(0x00D2, 0x80000000));
+  TEST_ASSERT_EQUAL_UINT32(0x7FFFFFFF, now->get_wide(0x0016));
+  TEST_ASSERT_EQUAL_UINT32(0, now->write(0x00D0, {0, 5, 0x7FFF, 0xFFFF}));
+  TEST_ASSERT_EQUAL_UINT32(1, now->drive.pulse_ratio().pulses);
+  TEST_ASSERT_EQUAL_UINT32(100, now->drive.pulse_ratio().counts);
+  TEST_ASSERT_EQUAL_UINT32(0, now->command(kSave));
+  power_cycle();
+  TEST_ASSERT_EQUAL_UINT32(5, now->drive.pulse_ratio().pulses);
+  TEST_ASSERT_EQUAL_UINT32(0x7FFFFFFF, now->drive.pulse_ratio().counts);
+}
+
 TEST_F(Memory, the_unit_id_changes_with_the_next_start) {
   now->unlock();
   TEST_ASSERT_EQUAL_UINT32(0, now->write_single(0x0020, 42));
