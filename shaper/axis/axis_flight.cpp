@@ -182,7 +182,7 @@ Status AxisCore::make_course(const Flight& flight, const AxisState& now, Course&
 
 // Gains below zero may raise peaks: with less acceleration and jerk until the stream keeps the limits.
 Status AxisCore::make_checked_course(const Flight& flight, const AxisState& now, uint32_t lead, Course& course) {
-  constexpr double kParts[] = {1.0, 0.7, 0.5, 0.35, 0.25};
+  static constexpr double kParts[] = {1.0, 0.7, 0.5, 0.35, 0.25};
   Status status = kOk;
   for (size_t i = 0; i < sizeof kParts / sizeof kParts[0]; ++i) {
     Flight slower = flight;
