@@ -15,7 +15,7 @@ constexpr uint32_t kShortestLeadTicks = 4;
 
 [[gnu::noinline]] Status busy() { return refuse(Error::kBusy); }
 
-double counts_of(Wide position) { return to_double(position, kTrackFractionBits); }
+double counts_of(const Wide& position) { return to_double(position, kTrackFractionBits); }
 
 // plan_from uses as much of it as shortens a move.
 [[gnu::noinline]] AxisLimits planned_limits(const Move& move) {
