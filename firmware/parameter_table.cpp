@@ -313,25 +313,75 @@ constexpr size_t count_kinds() {
 constexpr size_t kKindCount = count_kinds();
 static_assert(kKindCount <= UINT8_MAX + 1);
 
+// The numbers of the table, each once.
+struct Numbers {
+  size_t count;
+  uint32_t of[4 * kParameterCount];
+
+  // A new one is added.
+  constexpr uint8_t place_of(uint32_t number) {
+    size_t place = 0;
+    while (place < count && of[place] != number) ++place;
+    if (place == count) of[count++] = number;
+    return static_cast<uint8_t>(place);
+  }
+};
+
+// A parameter without its name, its numbers by their places.
+struct Kind {
+  Type type;
+  Access access;
+  Lock lock;
+  Effect effect;
+  Register ceiling;
+  uint8_t minimum;
+  uint8_t maximum;
+  uint8_t initial;
+  uint8_t allowed;
+};
+
+constexpr Kind kind_of(const Parameter& parameter, Numbers& numbers) {
+  return {parameter.type,
+          parameter.access,
+          parameter.lock,
+          parameter.effect,
+          parameter.ceiling,
+          numbers.place_of(parameter.minimum),
+          numbers.place_of(parameter.maximum),
+          numbers.place_of(parameter.initial),
+          numbers.place_of(parameter.allowed)};
+}
+
+constexpr Numbers all_numbers() {
+  Numbers numbers{};
+  for (const Entry& entry : kTable) kind_of(entry, numbers);
+  return numbers;
+}
+
+constexpr Numbers kNumbers = all_numbers();
+static_assert(kNumbers.count <= UINT8_MAX + 1);
+
 struct Rows {
   Register name[kParameterCount];
   uint8_t kind[kParameterCount];
-  Parameter kinds[kKindCount];  // without names
+  Kind kinds[kKindCount];
+  uint32_t numbers[kNumbers.count];
 };
 
 constexpr Rows by_kind() {
   Rows rows{};
+  Numbers numbers = kNumbers;
   size_t count = 0;
   for (size_t i = 0; i < kParameterCount; ++i) {
     rows.name[i] = kTable[i].name;
     if (like(i) == i) {
-      rows.kinds[count] = static_cast<const Parameter&>(kTable[i]);
-      rows.kinds[count].name = kNoRegister;
+      rows.kinds[count] = kind_of(kTable[i], numbers);
       rows.kind[i] = static_cast<uint8_t>(count++);
     } else {
       rows.kind[i] = rows.kind[like(i)];
     }
   }
+  for (size_t i = 0; i < kNumbers.count; ++i) rows.numbers[i] = kNumbers.of[i];
   return rows;
 }
 
@@ -369,9 +419,13 @@ static_assert(wide_values_are_even(), "a promise of the register map");
 }  // namespace
 
 Parameter ParameterTable::operator[](size_t index) const {
-  Parameter parameter = kRows.kinds[kRows.kind[index]];
-  parameter.name = kRows.name[index];
-  return parameter;
+  const Kind& kind = kRows.kinds[kRows.kind[index]];
+  const uint32_t* const numbers = kRows.numbers;
+  return {kRows.name[index],     kind.type,
+          kind.access,           kind.lock,
+          kind.effect,           kind.ceiling,
+          numbers[kind.minimum], numbers[kind.maximum],
+          numbers[kind.initial], numbers[kind.allowed]};
 }
 
 const ParameterText& text_of(const Parameter& parameter) {
