@@ -20,6 +20,7 @@ void Application::begin(AxisCore& axis, const Ports& ports) {
   keeper_.begin(parts, registers_, ports.memory, ports.restart);
   line_ = {kBauds[parameters_.get(Register::kBaudIndex)],
            static_cast<LineFormat>(parameters_.get(Register::kLineFormat))};
+  pulse_ratio_ = {parameters_.get(Register::kPulseRatioPulses), parameters_.get(Register::kPulseRatioCounts)};
   client_.begin(*ports.client, static_cast<uint8_t>(parameters_.get(Register::kUnitId)), frame_silence_ms(line_.baud));
   server_.begin(registers_);
 }

@@ -13,6 +13,7 @@
 #include "firmware/parameter_keeper.hpp"
 #include "firmware/parameters.hpp"
 #include "firmware/position_stream.hpp"
+#include "firmware/pulse_timing.hpp"
 #include "firmware/register_bank.hpp"
 #include "firmware/scope.hpp"
 #include "firmware/shaper_settings.hpp"
@@ -50,6 +51,9 @@ class Application {
 
   // After `begin`: how the client's line is to be set until the next start.
   LineSettings line() const { return line_; }
+
+  // And the pulses of a drive with a pulse input, where the target has one.
+  PulseRatio pulse_ratio() const { return pulse_ratio_; }
 
   // Tick context: once a servo tick (the sync of the servo link, or the chip's timer where the port has no sync).
   void tick();
@@ -96,6 +100,7 @@ class Application {
   RtuPort client_ = {};
   ModbusServer server_ = {};
   LineSettings line_ = {};
+  PulseRatio pulse_ratio_ = {};
 
   // The tick context's. silence_clock_ runs with the control ticks, and with the own timer while there are none, so
   // that a client is heard before the servo link is up.

@@ -4,10 +4,10 @@
 // An image lies at the beginning of a page, in words, low byte first:
 //   magic | version << 16 | payload words | sequence | payload | CRC-32 of all before
 // The payload of version 1 is pairs: set << 16 | register address, value. Set 0 to 7 with the registers of a shaper
-// set, 0 with all others. What the shaper in force was made from is there once more as set 8, with the number of its
-// own set as 0101; without a shaper it is left out. So a firmware with more parameters reads the image of one with
-// fewer and has its defaults for the rest; an address that it does not know, or a value that it no longer accepts, it
-// leaves out.
+// set, 0 with all others. What the shaper in force was made from, or one that could not be restored (see
+// ShaperSettings::restoring), is there once more as set 8, with the number of its own set as 0101; without a shaper it
+// is left out. So a firmware with more parameters reads the image of one with fewer and has its defaults for the rest;
+// an address that it does not know, or a value that it no longer accepts, it leaves out.
 //
 // A save goes to the page that does not hold the newest whole image, and counts from its last word, the CRC, on: a
 // power cut before leaves the old set, after it the new one. (A cut *in* that word: the new one if the word can be read

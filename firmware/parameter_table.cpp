@@ -74,6 +74,10 @@ constexpr Entry soft_limit(R name, const char* text) {
   return with(Effect::kAxisLimits, locked(value(name, T::kI32, 0x607D, kI32Min, kI32Max, 0, text, "counts")));
 }
 
+constexpr Entry pulse_ratio(R name, uint32_t initial, const char* text) {
+  return locked(value(name, T::kU32, 0, 1, kI32Max, initial, text, ""));
+}
+
 // One of a move's.
 constexpr Entry profile(R name, uint16_t object, uint32_t initial, R ceiling, const char* text, const char* unit) {
   Entry parameter = value(name, T::kU32, object, 1, kU32Max, initial, text, unit);
@@ -201,6 +205,9 @@ constexpr Entry kTable[kParameterCount] = {
     shown(R::kStreamLimitedTicks, T::kU32, 0, 0, "stream limited ticks", "ticks"),
     shown(R::kStreamUnderruns, T::kU32, 0, 0, "stream underruns"),
 
+    pulse_ratio(R::kPulseRatioPulses, 1, "pulse output, from the next start on: so many pulses are"),
+    pulse_ratio(R::kPulseRatioCounts, 100, "pulse output, from the next start on: so many counts"),
+
     value(R::kModeCount, T::kU16, 0, 0, kMaxModes, 0, "modes staged", ""),
     with(Effect::kShaperSet, value(R::kShaperSet, T::kU16, 0, 0, kShaperSets - 1, 0, "shaper set", "")),
     mode(0, 0), mode(0, 2), mode(0, 3), mode(0, 4), mode(0, 5), mode(0, 6), mode(0, 7),
@@ -306,25 +313,75 @@ constexpr size_t count_kinds() {
 constexpr size_t kKindCount = count_kinds();
 static_assert(kKindCount <= UINT8_MAX + 1);
 
+// The numbers of the table, each once.
+struct Numbers {
+  size_t count;
+  uint32_t of[4 * kParameterCount];
+
+  // A new one is added.
+  constexpr uint8_t place_of(uint32_t number) {
+    size_t place = 0;
+    while (place < count && of[place] != number) ++place;
+    if (place == count) of[count++] = number;
+    return static_cast<uint8_t>(place);
+  }
+};
+
+// A parameter without its name, its numbers by their places.
+struct Kind {
+  Type type;
+  Access access;
+  Lock lock;
+  Effect effect;
+  Register ceiling;
+  uint8_t minimum;
+  uint8_t maximum;
+  uint8_t initial;
+  uint8_t allowed;
+};
+
+constexpr Kind kind_of(const Parameter& parameter, Numbers& numbers) {
+  return {parameter.type,
+          parameter.access,
+          parameter.lock,
+          parameter.effect,
+          parameter.ceiling,
+          numbers.place_of(parameter.minimum),
+          numbers.place_of(parameter.maximum),
+          numbers.place_of(parameter.initial),
+          numbers.place_of(parameter.allowed)};
+}
+
+constexpr Numbers all_numbers() {
+  Numbers numbers{};
+  for (const Entry& entry : kTable) kind_of(entry, numbers);
+  return numbers;
+}
+
+constexpr Numbers kNumbers = all_numbers();
+static_assert(kNumbers.count <= UINT8_MAX + 1);
+
 struct Rows {
   Register name[kParameterCount];
   uint8_t kind[kParameterCount];
-  Parameter kinds[kKindCount];  // without names
+  Kind kinds[kKindCount];
+  uint32_t numbers[kNumbers.count];
 };
 
 constexpr Rows by_kind() {
   Rows rows{};
+  Numbers numbers = kNumbers;
   size_t count = 0;
   for (size_t i = 0; i < kParameterCount; ++i) {
     rows.name[i] = kTable[i].name;
     if (like(i) == i) {
-      rows.kinds[count] = static_cast<const Parameter&>(kTable[i]);
-      rows.kinds[count].name = kNoRegister;
+      rows.kinds[count] = kind_of(kTable[i], numbers);
       rows.kind[i] = static_cast<uint8_t>(count++);
     } else {
       rows.kind[i] = rows.kind[like(i)];
     }
   }
+  for (size_t i = 0; i < kNumbers.count; ++i) rows.numbers[i] = kNumbers.of[i];
   return rows;
 }
 
@@ -362,9 +419,13 @@ static_assert(wide_values_are_even(), "a promise of the register map");
 }  // namespace
 
 Parameter ParameterTable::operator[](size_t index) const {
-  Parameter parameter = kRows.kinds[kRows.kind[index]];
-  parameter.name = kRows.name[index];
-  return parameter;
+  const Kind& kind = kRows.kinds[kRows.kind[index]];
+  const uint32_t* const numbers = kRows.numbers;
+  return {kRows.name[index],     kind.type,
+          kind.access,           kind.lock,
+          kind.effect,           kind.ceiling,
+          numbers[kind.minimum], numbers[kind.maximum],
+          numbers[kind.initial], numbers[kind.allowed]};
 }
 
 const ParameterText& text_of(const Parameter& parameter) {

@@ -28,8 +28,13 @@ struct PulseConfig {
 
 constexpr uint32_t kMostPulses = 1023;
 
+// Registers 00D0 and 00D2.
+struct PulseRatio {
+  uint32_t pulses, counts;
+};
+
 struct PulseTiming {
-  uint32_t pulses, counts;  // as configured
+  PulseRatio ratio;
   uint32_t window_cycles;   // of a tick, that pulses may fill
   uint32_t most;            // pulses in a tick
   uint32_t most_reversing;  // in one that begins with a change of direction
@@ -92,13 +97,9 @@ constexpr Status plan_pulses(const PulseConfig& config, PulseTiming& timing) {
   }
   const uint32_t window = tick_cycles - kept;
   const uint32_t most = smaller(window / shortest, config.most_pulses);
-  timing = PulseTiming{config.pulses,
-                       config.counts,
-                       window,
-                       most,
-                       smaller(window / reversing, most),
-                       config.fault_after,
-                       !config.without_reversal_gap};
+  timing =
+      PulseTiming{{config.pulses, config.counts}, window, most, smaller(window / reversing, most), config.fault_after,
+                  !config.without_reversal_gap};
   return kOk;
 }
 

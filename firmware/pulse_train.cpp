@@ -13,7 +13,7 @@ static_assert(kMostPulses < 1u << kCountBits, "a burst's count is found bit by b
 
 void PulseTrain::use(const PulseTiming& timing) {
   timing_ = timing;
-  pulse_ = Wide{uint64_t{timing.counts} << kSignalFractionBits, 0};
+  pulse_ = Wide{uint64_t{timing.ratio.counts} << kSignalFractionBits, 0};
   align(setpoint_);
 }
 
@@ -46,7 +46,7 @@ uint32_t PulseTrain::due() const {
 void PulseTrain::owe(int64_t pulses) { add_product(owed_, pulse_, Wide::from_int(pulses)); }
 
 PulseBurst PulseTrain::next(Signal setpoint) {
-  add_product(owed_, Wide::from_int(wrapping_difference(setpoint, setpoint_)), Wide{timing_.pulses, 0});
+  add_product(owed_, Wide::from_int(wrapping_difference(setpoint, setpoint_)), Wide{timing_.ratio.pulses, 0});
   setpoint_ = setpoint;
   PulseBurst burst{due(), 0, forward_, false};
   if (burst.count == 0) {

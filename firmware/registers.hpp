@@ -68,6 +68,8 @@ enum class Register : uint16_t {
   kStreamRoom = 0x008B,
   kStreamLimitedTicks = 0x008C,
   kStreamUnderruns = 0x008E,
+  kPulseRatioPulses = 0x00D0,
+  kPulseRatioCounts = 0x00D2,
   kModeCount = 0x0100,
   kShaperSet = 0x0101,
   kFirstMode = 0x0102,

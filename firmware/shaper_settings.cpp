@@ -93,7 +93,10 @@ void ShaperSettings::drop_followed() {
 
 void ShaperSettings::restore(uint32_t set) {
   restoring_ = requested_.count != 0;
-  if (restoring_) request(set, requested_, Retune::kAtRest);
+  if (!restoring_) return;
+  set_in_force_ = set;
+  sets_[set].in_force = requested_;
+  request(set, requested_, Retune::kAtRest);
 }
 
 void ShaperSettings::take_off() {
@@ -116,6 +119,7 @@ void ShaperSettings::request(uint32_t set, const Staged& staged, Retune when) {
 uint32_t ShaperSettings::modes_in_force(Mode* modes) const {
   const Staged& made_for = sets_[set_in_force_].in_force;
   uint32_t count = 0;
+  if (restoring_) return count;
   for (uint32_t k = 0; k < made_for.count; ++k) {
     if (shapes_by(made_for.fields[k])) modes[count++] = spec_of(made_for.fields[k]).mode;
   }
@@ -125,7 +129,7 @@ uint32_t ShaperSettings::modes_in_force(Mode* modes) const {
 void ShaperSettings::follow(double worthwhile) {
   const Set& set = sets_[set_in_force_];
   Staged staged = staged_of(set_in_force_);
-  if (waiting() || !same(staged, set.in_force)) return;
+  if (restoring_ || waiting() || !same(staged, set.in_force)) return;
   uint32_t tracked = 0;
   for (uint32_t k = 0; k < staged.count; ++k) {
     if (!shapes_by(staged.fields[k])) continue;
@@ -223,22 +227,25 @@ void ShaperSettings::adopt(const ShaperSpec* specs, uint32_t count) {
   staged.count = count < kMaxModes ? count : kMaxModes;
   for (uint32_t k = 0; k < staged.count; ++k) write_fields(specs[k], staged.fields[k]);
   before_ = sets_[set_in_force_].in_force;
-  take_over(staged);
+  was_restoring_ = restoring_;
+  take_over(staged, false);
   adopted_ = true;
 }
 
 void ShaperSettings::give_back() {
-  take_over(before_);
+  take_over(before_, was_restoring_);
   adopted_ = false;
 }
 
 // The design is the one that runs, not one made again from registers, which are rounded.
-void ShaperSettings::take_over(const Staged& staged) {
+void ShaperSettings::take_over(const Staged& staged, bool restoring) {
   Set& set = sets_[set_in_force_];
   set.designed = staged;
   set.in_force = staged;
   stage_set(set_in_force_, staged);
   note_change();
+  restoring_ = restoring;
+  if (restoring) set.designed.count = 0;  // none runs
   (void)prepared_.store(set_in_force_, axis_->shaper());
   show_in_force();
 }
@@ -247,7 +254,7 @@ void ShaperSettings::show_in_force() {
   const ShaperDesign active = axis_->shaper();
   const ShaperState state = active.stage_count == 0 ? ShaperState::kOff : ShaperState::kActive;
   const double delay_s = active.delay_ticks() * axis_->config().tick_s;
-  const double worst = worst_residual(active, sets_[set_in_force_].in_force);
+  const double worst = restoring_ ? 0.0 : worst_residual(active, sets_[set_in_force_].in_force);
   const uint32_t residual = register_nearest(worst, kResidualPerOne);
   parameters_->set(Register::kShaperState, static_cast<uint32_t>(state));
   parameters_->set(Register::kShaperRefusal, 0);

@@ -29,18 +29,19 @@ class ShaperSettings {
   void show_set(uint32_t set);
 
   // The staged registers of any set, shown or not: 0100 and those of the modes but the reserved ones. Of set
-  // kSetInForce what is in force was made from; staged there, it waits for `restore`.
+  // kSetInForce what is in force, or `restoring`, was made from; staged there, it waits for `restore`.
   uint32_t staged(uint32_t set, Register name) const;
   void stage(uint32_t set, Register name, uint32_t value);
 
-  // The set that it belongs to, and whether there is a shaper at all.
+  // The set that it belongs to, and whether there is one at all.
   uint32_t set_in_force() const { return set_in_force_; }
   bool shapes() const { return sets_[set_in_force_].in_force.count != 0; }
 
   // At the start, before anything was applied: what is staged in kSetInForce is applied at rest as the set of this
   // number, if it is anything. As behind every apply no motion begins before it is in force or refused.
   void restore(uint32_t set);
-  // From then on, until this or something else has come into force: for good where the design was refused.
+  // From then on, until this or something else has come into force, no shaper being something too: for good where it is
+  // refused. Until then it counts as what was last in force of its set, for `discard` and a save.
   bool restoring() const { return restoring_; }
 
   // Nothing is to be in force, in the same way.
@@ -65,7 +66,7 @@ class ShaperSettings {
   // The shaper before `adopt` runs again, and the set is as it was when it was in force.
   void give_back();
 
-  // The modes that what is in force was made for; at most kMaxModes, and how many.
+  // The modes that what runs was made for; at most kMaxModes, and how many.
   uint32_t modes_in_force(Mode* modes) const;
 
   // Those of registers 0260 on in place of them: staged in the same set, and applied at rest. Nothing happens where
@@ -98,7 +99,7 @@ class ShaperSettings {
     Staged in_force;  // the last of this set that was
   };
 
-  void take_over(const Staged& staged);
+  void take_over(const Staged& staged, bool restoring);
   void note_change();
   Staged staged_of(uint32_t set) const;
   void stage_set(uint32_t set, const Staged& staged);
@@ -143,6 +144,7 @@ class ShaperSettings {
   uint32_t set_in_force_ = 0;
   bool adopted_ = false;
   Staged before_ = {};  // adopt
+  bool was_restoring_ = false;
   Set sets_[kShaperSets] = {};
   ShaperSets<kShaperSets> prepared_ = {};
 };

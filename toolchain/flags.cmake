@@ -21,7 +21,7 @@ if(CMAKE_CROSSCOMPILING)
     -Os -ffunction-sections -fdata-sections -fno-unwind-tables -fno-asynchronous-unwind-tables -fcallgraph-info=su)
   # Leaves out what costs size and gains nothing; shaper/CMakeLists.txt has the exception.
   target_compile_options(stillpoint_freestanding INTERFACE
-    -fno-move-loop-invariants -fno-reorder-blocks -fno-schedule-insns2)
+    -fno-move-loop-invariants -fno-tree-loop-im -fno-reorder-blocks -fno-schedule-insns2)
   target_link_options(stillpoint_freestanding INTERFACE -nostdlib -fno-lto -Wl,--gc-sections)
   # The compiler's own helpers (64-bit and soft-float arithmetic): last in every link, whatever the order of libraries.
   set(CMAKE_CXX_STANDARD_LIBRARIES -lgcc)

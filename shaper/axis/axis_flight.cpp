@@ -13,12 +13,12 @@ namespace {
 // Ticks that a plan may take to be made. One that is late is made again with twice as many.
 constexpr uint32_t kShortestLeadTicks = 4;
 
-Status busy() { return refuse(Error::kBusy); }
+[[gnu::noinline]] Status busy() { return refuse(Error::kBusy); }
 
-double counts_of(Wide position) { return to_double(position, kTrackFractionBits); }
+double counts_of(const Wide& position) { return to_double(position, kTrackFractionBits); }
 
 // plan_from uses as much of it as shortens a move.
-AxisLimits planned_limits(const Move& move) {
+[[gnu::noinline]] AxisLimits planned_limits(const Move& move) {
   AxisLimits limits = move.limits;
   if (!move.jerk_limited()) {
     limits.jerk = kNoJerkLimit;
@@ -182,7 +182,7 @@ Status AxisCore::make_course(const Flight& flight, const AxisState& now, Course&
 
 // Gains below zero may raise peaks: with less acceleration and jerk until the stream keeps the limits.
 Status AxisCore::make_checked_course(const Flight& flight, const AxisState& now, uint32_t lead, Course& course) {
-  constexpr double kParts[] = {1.0, 0.7, 0.5, 0.35, 0.25};
+  static constexpr double kParts[] = {1.0, 0.7, 0.5, 0.35, 0.25};
   Status status = kOk;
   for (size_t i = 0; i < sizeof kParts / sizeof kParts[0]; ++i) {
     Flight slower = flight;
@@ -253,7 +253,7 @@ Status AxisCore::plan_to_cruise(const Flight& flight, Course& course) const {
 }
 
 // A shaper tells two samples apart that are less than half the range apart.
-Status AxisCore::check_wrap(double velocity) const {
+[[gnu::noinline]] Status AxisCore::check_wrap(double velocity) const {
   const double most = kMaxPositionCounts / (config_.tick_s * (running().length_ticks() + 1.0));
   return math::magnitude(velocity) > most ? refuse(Error::kAboveMaximum, Quantity::kVelocity, velocity, most) : kOk;
 }

@@ -133,10 +133,11 @@ Status AxisCore::time_sooner(const Move& move, Signal start, Signal target, uint
   }
   if (available != UINT32_MAX) {
     const MoveTiming timing[] = {best.timing, MoveTiming::kSpedUp};
-    const Plan plans[] = {best.plan, plan};
+    const Plan raised = best.plan;
+    const Plan* const plans[] = {&raised, &plan};
     best.use = DBL_MAX;
     for (int i = 0; i < 2; ++i) {
-      Plan stretched = plans[i];
+      Plan stretched = *plans[i];
       if (!stretch(stretched, available).ok() || check.broken(stretched) != Quantity::kNone) continue;
       if (check.use() < best.use) best = CheckedPlan{stretched, timing[i], best.binding, check.peaks(), check.use()};
     }

@@ -25,7 +25,7 @@ double largest_factor(const ShaperDesign& design) {
   return factor < kMost ? factor : kMost;
 }
 
-bool cruises(const Plan& plan, double longer_than) {
+[[gnu::noinline]] bool cruises(const Plan& plan, double longer_than) {
   for (uint32_t i = 0; i < plan.segment_count; ++i) {
     const Segment& segment = plan.segments[i];
     if (segment.jerk == 0.0 && segment.acceleration == 0.0 && segment.duration_ticks > longer_than) return true;

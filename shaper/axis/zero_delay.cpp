@@ -118,7 +118,7 @@ uint32_t ShapedMoveCheck::least_slowed_ticks(const Plan& plan, uint32_t from, ui
   Quantity binding = broken_at(plan, from);
   if (binding == Quantity::kNone) return from;
   if (enough <= kLongestSearchTicks) return least_ticks(plan, from, enough, binding);
-  constexpr uint32_t kPercent[] = {101, 103, 110, 130, 170};
+  static constexpr uint32_t kPercent[] = {101, 103, 110, 130, 170};
   for (size_t i = 0; i < sizeof kPercent / sizeof kPercent[0]; ++i) {
     const uint32_t ticks = from / 100 * kPercent[i] + from % 100 * kPercent[i] / 100;
     if (ticks < enough && broken_at(plan, ticks) == Quantity::kNone) return ticks;

@@ -5,7 +5,7 @@
 
 namespace stillpoint {
 
-Status refuse(Error error, Quantity quantity) { return refuse(error, quantity, 0.0); }
+[[gnu::noinline]] Status refuse(Error error, Quantity quantity) { return refuse(error, quantity, 0.0); }
 
 Status check_finite(Quantity quantity, double value) {
   return math::is_finite(value) ? kOk : refuse(Error::kNotFinite, quantity, value);

@@ -7,13 +7,13 @@ namespace stillpoint {
 
 void add_product(Wide& sum, const Wide& a, const Wide& b) { sum += a * b; }
 
-Wide times_fraction(Wide a, uint64_t fraction) {
+Wide times_fraction(const Wide& a, uint64_t fraction) {
   Wide product = multiply(a.high, fraction);
   if (is_negative(a)) product.high -= fraction;
   return product + Wide{multiply(a.low, fraction).high, 0};
 }
 
-Wide fixed_product(Wide a, Wide b) {
+Wide fixed_product(const Wide& a, const Wide& b) {
   return times_fraction(a, b.low) + a * Wide::from_int(static_cast<int64_t>(b.high));
 }
 
@@ -32,7 +32,7 @@ Wide wide_from_double(double value, int fraction_bits) {
   return (bits >> 63) != 0 ? -magnitude : magnitude;
 }
 
-double to_double(Wide a, int fraction_bits) {
+double to_double(const Wide& a, int fraction_bits) {
   const bool negative = is_negative(a);
   const Wide magnitude = negative ? -a : a;
   const double value = math::ldexp(static_cast<double>(magnitude.high), 64 - fraction_bits) +

@@ -69,15 +69,15 @@ constexpr Wide shifted_right(Wide a, int bits) {
 }
 
 // a * fraction * 2^-64, towards minus infinity
-Wide times_fraction(Wide a, uint64_t fraction);
+Wide times_fraction(const Wide& a, uint64_t fraction);
 
 // a * b * 2^-64, towards minus infinity, both signed: the product of numbers with m and n fraction bits has m + n - 64.
-Wide fixed_product(Wide a, Wide b);
+Wide fixed_product(const Wide& a, const Wide& b);
 
 // value * 2^fraction_bits to the nearest, halves away from zero. |value| * 2^fraction_bits < 2^127.
 Wide wide_from_double(double value, int fraction_bits);
 
 // The double nearest to a * 2^-fraction_bits, within 1 ulp.
-double to_double(Wide a, int fraction_bits);
+double to_double(const Wide& a, int fraction_bits);
 
 }  // namespace stillpoint

@@ -262,7 +262,7 @@ class ResponseFit {
 
   // The mode that takes most away, on the bins and between, narrow to wide.
   ResponseModel search(const ResponseModel& model) {
-    constexpr double kDampings[] = {0.02, 0.08, 0.3};
+    static constexpr double kDampings[] = {0.02, 0.08, 0.3};
     ResponseModel best = model;
     ResponseModel trial = model;
     const size_t at = 2 * trial.count++;

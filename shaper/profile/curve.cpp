@@ -14,12 +14,12 @@ constexpr uint32_t kNoSpan = UINT32_MAX;
 
 static_assert(2 * kLengthBits - 64 == kTrackFractionBits && kTimeBits == 64);
 
-double to_counts(Wide value) { return to_double(value, kTrackFractionBits); }
+double to_counts(const Wide& value) { return to_double(value, kTrackFractionBits); }
 Wide whole_ticks_of(uint32_t ticks) { return Wide{0, ticks}; }
 uint32_t ceiling(Wide time) { return static_cast<uint32_t>(time.high) + (time.low != 0 ? 1U : 0U); }
 
 // To the last of its 96 bits: the quotient of doubles, and that of what it leaves.
-Wide quotient(Wide value, Wide time) {
+Wide quotient(const Wide& value, const Wide& time) {
   const double ticks = to_double(time, kTimeBits);
   const Wide first = wide_from_double(to_counts(value) / ticks, kTrackFractionBits);
   const Wide left = value - fixed_product(first, time);
@@ -27,9 +27,9 @@ Wide quotient(Wide value, Wide time) {
 }
 
 // Spans a tick of a table over `time`.
-Wide rate_of(const ProfileTable& table, Wide time) { return quotient(Wide{0, uint64_t{table.spans} << 32}, time); }
+Wide rate_of(const ProfileTable& table, const Wide& time) { return quotient(Wide{0, uint64_t{table.spans} << 32}, time); }
 
-Wide to_length(Wide counts) { return shifted_right(counts, kTrackFractionBits - kLengthBits); }
+Wide to_length(const Wide& counts) { return shifted_right(counts, kTrackFractionBits - kLengthBits); }
 
 // A ramp this short is none: at the one tick that may lie in it the position differs by 2^-12 of a tick's way.
 constexpr double kShortestTicks = 1.0 / 1024.0;
@@ -55,7 +55,7 @@ Ramps ramps_of(const Plan& plan) {
 }
 
 // A ramp over `half` twice, run from or (backwards) towards `base`.
-CurvePart ramp_part(const CurvePiece& piece, Wide half, Wide velocity, Wide base) {
+CurvePart ramp_part(const CurvePiece& piece, const Wide& half, const Wide& velocity, const Wide& base) {
   const Wide rate = rate_of(*piece.table, shifted_left(half, 1));
   const Wide length = to_length(fixed_product(velocity, half));
   if (piece.reversed) return CurvePart{piece.table, 0, Wide{0, 0}, -rate, base, -length};
@@ -100,7 +100,7 @@ struct Place {
   uint64_t fraction;
 };
 
-Place place_of(const ProfileTable& table, Wide local) {
+Place place_of(const ProfileTable& table, const Wide& local) {
   if (is_negative(local)) return Place{0, 0};
   const uint32_t span = static_cast<uint32_t>(local.high >> 32);
   if (span >= table.spans) return Place{table.spans - 1, UINT64_MAX};

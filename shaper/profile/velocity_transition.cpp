@@ -100,7 +100,7 @@ void PhaseList::append(const Phase& next) {
 }
 
 Motion advanced(const Motion& from, double jerk, double ticks) {
-  constexpr double kOver[] = {1.0, 1.0 / 2.0, 1.0 / 3.0};
+  static constexpr double kOver[] = {1.0, 1.0 / 2.0, 1.0 / 3.0};
   const double derivative[] = {from.position, from.velocity, from.acceleration};
   double result[3];
   for (int k = 0; k < 3; ++k) {  // Taylor's series, from its end

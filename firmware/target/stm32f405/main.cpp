@@ -25,12 +25,12 @@ using namespace stillpoint::stm32f405;
 enum class Servo : uint8_t { kLink, kPulses };
 constexpr Servo kServo = Servo::STILLPOINT_SERVO;
 
-// A pulse a hundred counts: 100,000 a second at the default axis's full speed. Times as opto-coupled inputs ask for.
-// SysTick shares its priority with nothing here, so a tick starts late only by what masks interrupts.
+// But for the ratio, which the registers have: a pulse a hundred counts is their default, 100,000 a second at the default
+// axis's full speed. Times as opto-coupled inputs ask for. SysTick shares its priority with nothing here, so a tick starts late only by what masks interrupts.
 constexpr firmware::PulseTiming pulse_timing(uint32_t core_hz) {
   firmware::PulseTiming timing{};
   static_cast<void>(firmware::plan_pulses(
-      {1, 100, core_hz, 200000, 1000000, 2500, 5000, 1000, 4000, kMostPulsesPerTick, 100, false}, timing));
+      {1, 1, core_hz, 200000, 1000000, 2500, 5000, 1000, 4000, kMostPulsesPerTick, 100, false}, timing));
   return timing;
 }
 constexpr firmware::PulseTiming kPulseTiming = pulse_timing(168000000), kSlowPulseTiming = pulse_timing(16000000);
@@ -77,8 +77,9 @@ void set_up_servo(const Clock& clock) {
     rcc().APB2ENR = rcc().APB2ENR | Rcc::kApb2Timer1;
     set_up_pulse_pins();
     // With the dividers of clock.cpp, TIM1 runs at the core's clock (RM0090 7.2).
-    pulse_port.set_up({&timer1(), &timer2(), &gpio_c()},
-                      clock.source == ClockSource::kInternal ? kSlowPulseTiming : kPulseTiming);
+    firmware::PulseTiming timing = clock.source == ClockSource::kInternal ? kSlowPulseTiming : kPulseTiming;
+    timing.ratio = application.pulse_ratio();
+    pulse_port.set_up({&timer1(), &timer2(), &gpio_c()}, timing);
   }
 }
 

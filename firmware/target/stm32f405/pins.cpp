@@ -32,14 +32,14 @@ void set_up_pins() {
   set_field(gpio_c().MODER, 2, kEnablePin, kModeOutput);
   set_pin(gpio_a(), kDrivePin, false);
   set_field(gpio_a().MODER, 2, kDrivePin, kModeOutput);
-  constexpr uint32_t kUsartPins[] = {2, 3, 9, 10};
+  static constexpr uint32_t kUsartPins[] = {2, 3, 9, 10};
   for (const uint32_t pin : kUsartPins) set_up_pin(gpio_a(), pin, kUsartFunction);
 }
 
 void set_up_pulse_pins() {
   set_pin(gpio_c(), kDirectionPin, false);
   set_field(gpio_c().MODER, 2, kDirectionPin, kModeOutput);
-  constexpr uint32_t kTimerPins[] = {0, 1, 8};
+  static constexpr uint32_t kTimerPins[] = {0, 1, 8};
   for (const uint32_t pin : kTimerPins) set_up_pin(gpio_a(), pin, kTimerFunction);
 }
 
