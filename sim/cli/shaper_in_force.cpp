@@ -63,7 +63,8 @@ void ShaperInForce::put_back() {
   client_.write(Register::kModeCount, count_);
   client_.write(Register::kApplyShaper, kApplyAtRest);
   auto state = ShaperState::kPending;
-  for (const uint64_t begun = port_.ticks(); state == ShaperState::kPending;) {
+  for (const uint64_t begun = port_.ticks();
+       state == ShaperState::kPending && client_.read(Register::kErrorCode) == 0;) {
     state = static_cast<ShaperState>(client_.read(Register::kShaperState));
     if (port_.ticks() - begun > ChipClient::kPatienceTicks)
       throw cannot("of before", "not put back in time, it is staged, and an apply (0130 = 1) is accepted");

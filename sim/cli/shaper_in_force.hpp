@@ -20,7 +20,8 @@ class ShaperInForce {
   // In force in that set from then on. Waits for it, and for the axis's rest before.
   void replace(const std::vector<ModeRegisters>& modes) { client_.set_shaper(modes); }
 
-  // What was in force is in force again, what was staged staged; in a fault too. Waits for the axis's rest.
+  // What was in force is in force again, what was staged staged. Waits for the axis's rest, but not for the end of a
+  // fault: nothing comes into force before that.
   void put_back();
   // What is in force stays.
   void keep();
