@@ -189,7 +189,7 @@ TEST(what_was_in_force_is_in_force_again_wherever_it_is_interrupted) {
     const std::vector<uint32_t> before = rig.settings();
     cli::HostTuneTask task = task_of(rig.port);
     // It is called about once a tick of what is told and once a request of what is waited for.
-    auto left = random.integer(0, 6000);
+    auto left = random.integer(0, 8000);
     task.meanwhile = [&](double) {
       if (left-- == 0) throw sim::bad_argument("test", "interrupted", "");
     };
