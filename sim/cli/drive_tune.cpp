@@ -68,7 +68,7 @@ void show(const Announcement& told, bool json) {
 void heed_the_end() {
   if (told_to_end == 0) return;
   throw sim::Refusal(sim::Refusal::Cause::kCannot, "tune", "interrupted",
-                     "the drive was told to abort, a tuning that may end is accepted", "interrupted");
+                     "the axis stops and has its shaper of before, a tuning that may end is accepted", "interrupted");
 }
 
 TuneState run_watched(TuneClient& client, bool propose) {

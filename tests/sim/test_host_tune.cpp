@@ -85,7 +85,8 @@ struct HostTuned : TuneRig {
   explicit HostTuned(const sim::SimulatedDriveConfig& config = papers_arm()) : TuneRig(config) { enable(); }
   cli::HostTuning tune() { return tune_by_host(port, task_of(port)); }
 
-  // What a tuning that keeps nothing leaves alone: the set shown and staged, what is in force, mode, duration, zero delay.
+  // What a tuning that keeps nothing leaves alone: the set shown and staged, what is in force, mode, duration, zero
+  // delay.
   std::vector<uint32_t> settings() {
     std::vector<uint32_t> all;
     for (const uint16_t word : read(0x0100, kShaperWords)) all.push_back(word);
