@@ -277,7 +277,7 @@ constexpr Entry kTable[kParameterCount] = {
 
     command(R::kScopeCommand, 2, kAny, Effect::kScope, "scope: 0 stop, 1 arm, 2 trigger"),
     shown(R::kScopeState, T::kU16, 0, 0, "scope: state (0 idle, 1 waiting, 2 triggered, 3 full)"),
-    value(R::kScopeTrigger, T::kU16, 0, 0, 3, 0, "scope: trigger (0 by hand, 1 level, 2 motion, 3 fault)", ""),
+    value(R::kScopeTrigger, T::kU16, 0, 0, 4, 0, "scope: trigger (0 by hand, 1 level, 2 motion, 3 fault, 4 rest)", ""),
     value(R::kScopeTriggerChannel, T::kU16, 0, 0, kMaxChannels - 1, 0, "scope: channel that the level is of", ""),
     value(R::kScopeLevel, T::kI32, 0, kI32Min, kI32Max, 0, "scope: level", "the channel's"),
     value(R::kScopeEdge, T::kU16, 0, 0, 2, 0, "scope: edge (0 rising, 1 falling, 2 either)", ""),

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "firmware/register_bank.hpp"
 
+#include "firmware/axis_limits.hpp"
 #include "firmware/parameter_keeper.hpp"
 
 namespace stillpoint::firmware {
@@ -246,14 +247,7 @@ ModbusException RegisterBank::do_commands(const Request& request) {
 // Refused while the axis moves, and then nothing has changed.
 Status RegisterBank::configure_axis(const Request& request) {
   AxisConfig config = parts_.axis->config();
-  config.maximum.velocity = staged(request, Register::kMaximumVelocity);
-  config.maximum.acceleration = staged(request, Register::kMaximumAcceleration);
-  config.maximum.deceleration = config.maximum.acceleration;
-  config.maximum.jerk = staged(request, Register::kMaximumJerk) * kJerkUnit;
-  config.quick_stop_deceleration = staged(request, Register::kQuickStopDeceleration);
-  config.quick_stop_jerk = staged(request, Register::kQuickStopJerk) * kJerkUnit;
-  config.soft_low_counts = static_cast<int32_t>(staged(request, Register::kSoftLimitLow));
-  config.soft_high_counts = static_cast<int32_t>(staged(request, Register::kSoftLimitHigh));
+  take_axis_limits([&](Register name) { return staged(request, name); }, config);
   return parts_.axis->configure(config);
 }
 

@@ -199,7 +199,7 @@ enum class Tracking : uint16_t { kOff, kShow, kApply };
 enum class TuneCommand : uint16_t { kStart = 1, kAbort = 2, kAccept = 3, kUndo = 4 };
 
 enum class ScopeCommand : uint16_t { kStop, kArm, kTrigger };
-enum class ScopeTrigger : uint16_t { kByHand, kLevel, kMotion, kFault };
+enum class ScopeTrigger : uint16_t { kByHand, kLevel, kMotion, kFault, kRest };
 enum class ScopeEdge : uint16_t { kRising, kFalling, kEither };
 
 // What a channel shows, each as of one tick. Counts and counts/s but for those that say otherwise.

@@ -134,6 +134,7 @@ bool Scope::is_triggered(const Seen& now) const {
   switch (trigger_) {
     case ScopeTrigger::kLevel: return (rises && edge_ != ScopeEdge::kFalling) || (falls && edge_ != ScopeEdge::kRising);
     case ScopeTrigger::kMotion: return now.moving && !seen_.moving;
+    case ScopeTrigger::kRest: return !now.moving && seen_.moving;
     case ScopeTrigger::kFault: return now.fault_count != seen_.fault_count;
     case ScopeTrigger::kByHand: break;
   }

@@ -183,7 +183,7 @@ Status prepare_sine(const AxisCore& axis, const TuneConfig& config, const TunePl
 Status plan_tuning(AxisCore& axis, const TuneConfig& config, size_t samples, size_t memory, Excitation& excitation,
                    TunePlan& plan) {
   const double tick_s = axis.config().tick_s;
-  size_t size = samples;
+  size_t size = config.samples != 0 && config.samples < samples ? config.samples : samples;
   while (size > memory) size /= 2;
   if (size < kLeastTuneMemory)
     return refuse(Error::kLineTooShort, Quantity::kSamples, static_cast<double>(kLeastTuneMemory),

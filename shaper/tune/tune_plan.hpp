@@ -38,6 +38,7 @@ struct TuneConfig {
   // What the accelerometer reads at its ends, raw: there or beyond it is saturated. lowest >= highest: it has none.
   int32_t sensor_lowest;
   int32_t sensor_highest;
+  uint32_t samples;  // of a record, at most what the memory holds; 0: that
 };
 
 // How the ringing after a motion is recorded.

@@ -57,6 +57,20 @@ void ChipClient::set_shaper(const std::vector<ModeRegisters>& modes) {
   });
 }
 
+std::vector<ModeRegisters> ChipClient::staged_modes() {
+  std::vector<ModeRegisters> modes(read(Register::kModeCount));
+  for (uint32_t k = 0; k < modes.size(); ++k) {
+    const auto field = [&](firmware::ModeField name) { return read(firmware::mode_register(k, name)); };
+    ModeRegisters& mode = modes[k];
+    mode.frequency = read32(firmware::mode_register(k, firmware::ModeField::kFrequency));
+    mode.damping = field(firmware::ModeField::kDamping);
+    mode.tolerance = field(firmware::ModeField::kTolerance);
+    mode.kind = field(firmware::ModeField::kKind);
+    mode.spacing = field(firmware::ModeField::kSpacing);
+  }
+  return modes;
+}
+
 void ChipClient::set_move(const MoveRegisters& move) {
   raise_maximum(Register::kMaximumVelocity, move.velocity);
   raise_maximum(Register::kMaximumAcceleration, std::max(move.acceleration, move.deceleration));
@@ -102,12 +116,16 @@ void ChipClient::raise_maximum(Register name, uint32_t wanted) {
 void ChipClient::wait(const char* what, const std::function<bool()>& condition, uint64_t patience_ticks) {
   const uint64_t begun = port_.ticks();
   while (!condition()) {
-    const uint16_t fault = read(Register::kErrorCode);
-    if (fault != 0) refuse_fault(fault);
+    refuse_any_fault();
     if (port_.ticks() - begun > patience_ticks) {
       throw cannot("drive", what, "not reached in time, a firmware that gets there is accepted", "drive_stalled");
     }
   }
+}
+
+void ChipClient::refuse_any_fault() {
+  const uint16_t fault = read(Register::kErrorCode);
+  if (fault != 0) refuse_fault(fault);
 }
 
 void ChipClient::refuse_with_reason() {

@@ -25,6 +25,8 @@ class ChipClient {
   void enable();
   bool is_enabled() { return (status() & kStateMask) == kOperationEnabled; }
   void set_shaper(const std::vector<ModeRegisters>& modes);
+  // As the registers 0100 have them.
+  std::vector<ModeRegisters> staged_modes();
   void set_move(const MoveRegisters& move);
   // Starts the move that is set; `relative`: its target counts from the one in force.
   MoveReport start(bool relative = false);
@@ -40,6 +42,9 @@ class ChipClient {
   // A stalled drive ends the run, a slow one does not: planning takes a few ticks of the emulated chip.
   static constexpr uint64_t kPatienceTicks = 20000;
   void wait(const char* what, const std::function<bool()>& condition, uint64_t patience_ticks = kPatienceTicks);
+
+  // Throws a Refusal where the drive is in a fault.
+  void refuse_any_fault();
 
   // With what registers 0012, 0013 and 0016 say.
   [[noreturn]] void refuse_with_reason();

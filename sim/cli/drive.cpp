@@ -178,6 +178,12 @@ int scope(const Call& call) {
   return 0;
 }
 
+int tune(const Call& call) {
+  DriveTuneOptions options = call.options.tune;
+  options.by = call.options.by;
+  return tune_drive(call.port, options, call.output);
+}
+
 // Off; then what the loss of torque ends, a fault too, is over.
 void disable(const Call& call) { call.control(0x00); }
 
@@ -205,7 +211,7 @@ int command(const Call& call) {
   if (verb == "set") return set_value(call);
   if (verb == "move") return move(call);
   if (verb == "scope") return scope(call);
-  if (verb == "tune") return tune_drive(call.port, call.options.tune, call.output);
+  if (verb == "tune") return tune(call);
   if (verb == "export") {
     const Json object = exported(call.port);
     if (call.options.arguments.empty()) return print_json(object), 0;
@@ -265,7 +271,8 @@ void add_drive(Commands& commands, Output& output) {
   add_value(app, "--parity", options->parity, "none|even|odd", "of the port; a pseudo-terminal has none");
   add_value(app, "--stop-bits", options->stop_bits, "1|2", "of the port");
   add_value(app, "--target", options->target, "COUNTS", "move, scope: where to");
-  add_value(app, "--by", options->by, "COUNTS", "move, scope: how far from the target in force");
+  add_value(app, "--by", options->by, "COUNTS|host|drive",
+            "move, scope: how far from the target in force; tune: who does it, the host where the drive cannot");
   add_scope_request(app, options->scope);
   add_drive_tune_options(app, options->tune);
   add_output(app, output);

@@ -49,7 +49,7 @@ Wanted wanted_of(const ScopeRequest& request) {
     throw sim::bad_argument("--channels", request.channels,
                             fmt::format("one to {} of these are accepted: {}", kMaxChannels, kScopeChannels));
   }
-  wanted.trigger = one_of("--trigger", request.trigger, {"hand", "level", "motion", "fault"});
+  wanted.trigger = one_of("--trigger", request.trigger, {"hand", "level", "motion", "fault", "rest"});
   wanted.level = static_cast<int32_t>(sim::parse_integer(request.level, "--level", INT32_MIN, INT32_MAX));
   wanted.edge = one_of("--edge", request.edge, {"rising", "falling", "either"});
   wanted.pre_percent = static_cast<uint16_t>(sim::parse_integer(request.pre_percent, "--pre", 0, 99));
@@ -78,17 +78,18 @@ class DriveScope {
     }
   }
 
-  void wait(const Wanted& wanted, uint32_t most_samples) {
+  void wait(const Wanted& wanted, uint32_t most_samples, const std::function<void()>& meanwhile) {
     Progress progress("capturing");
     const uint32_t before = most_samples * wanted.pre_percent / 100;
     const bool by_hand = wanted.trigger == static_cast<uint16_t>(ScopeTrigger::kByHand);
     bool triggered = false;
     for (const uint64_t begun = port_.ticks();;) {
+      if (meanwhile) meanwhile();
       const auto state = static_cast<CaptureState>(client_.read(Register::kScopeState));
       if (state == CaptureState::kFull) return;
       if (state == CaptureState::kIdle) throw cannot("stopped", "the drive needs its memory", "scope_stopped");
       const uint32_t samples = client_.read(Register::kScopeSamples);
-      progress.update(static_cast<double>(samples) / most_samples);
+      if (!meanwhile) progress.update(static_cast<double>(samples) / most_samples);
       if (by_hand && !triggered && samples >= before) {
         command(ScopeCommand::kTrigger);
         triggered = true;
@@ -141,13 +142,18 @@ class DriveScope {
 
 }  // namespace
 
-ScopeRecord capture_scope(sim::RegisterPort& port, const ScopeRequest& request, const std::function<void()>& armed) {
+ScopeRecord capture_scope(sim::RegisterPort& port, const ScopeRequest& request, const std::function<void()>& armed,
+                          const std::function<void()>& meanwhile) {
   const Wanted wanted = wanted_of(request);
   DriveScope scope(port);
   scope.arm(wanted);
   armed();
-  scope.wait(wanted, static_cast<uint32_t>(TuneMemory::kSamples / wanted.channels.size()));
+  scope.wait(wanted, static_cast<uint32_t>(TuneMemory::kSamples / wanted.channels.size()), meanwhile);
   return scope.fetch(wanted);
+}
+
+void stop_scope(sim::RegisterPort& port) {
+  port.write(address_of(Register::kScopeCommand), static_cast<uint16_t>(ScopeCommand::kStop));
 }
 
 Settings settings_of(const ScopeRequest& request) {
@@ -162,7 +168,7 @@ Settings settings_of(const ScopeRequest& request) {
 
 void add_scope_request(CLI::App& app, ScopeRequest& request) {
   add_value(app, "--channels", request.channels, "NAME,...", std::string("scope: up to four of ") + kScopeChannels);
-  add_value(app, "--trigger", request.trigger, "hand|level|motion|fault", "scope: what begins the record");
+  add_value(app, "--trigger", request.trigger, "hand|level|motion|fault|rest", "scope: what begins the record");
   add_value(app, "--level", request.level, "VALUE", "scope: of the first channel, with --trigger level");
   add_value(app, "--edge", request.edge, "rising|falling|either", "scope: which way it is crossed");
   add_value(app, "--pre", request.pre_percent, "PERCENT", "scope: of the record, from before the trigger");

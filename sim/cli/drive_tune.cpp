@@ -3,11 +3,13 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <csignal>
 #include <cstdio>
 
 #include "firmware/parameters.hpp"
+#include "sim/cli/host_tune.hpp"
 #include "sim/cli/json.hpp"
 #include "sim/cli/progress.hpp"
 #include "sim/cli/tune_client.hpp"
@@ -63,14 +65,17 @@ void show(const Announcement& told, bool json) {
   std::fflush(out);
 }
 
+void heed_the_end() {
+  if (told_to_end == 0) return;
+  throw sim::Refusal(sim::Refusal::Cause::kCannot, "tune", "interrupted",
+                     "the axis stops and has its shaper of before, a tuning that may end is accepted", "interrupted");
+}
+
 TuneState run_watched(TuneClient& client, bool propose) {
   Progress progress("tuning on the drive");
   return client.run([&](TuneState state, double part_done) {
     progress.update(part_done);
-    if (told_to_end != 0) {
-      throw sim::Refusal(sim::Refusal::Cause::kCannot, "tune", "interrupted",
-                         "the drive was told to abort, a tuning that may end is accepted", "interrupted");
-    }
+    heed_the_end();
     if (state != TuneState::kProposed) return false;
     if (!propose) client.command(TuneCommand::kAccept);
     return propose;
@@ -102,27 +107,83 @@ TuneState or_abort(TuneClient& client, const Run& run) {
 }
 
 struct Result {
+  const char* by;
   Announcement first_announced;
   TuneReport report;
   std::vector<sim::SpecifiedShaper> shapers;
+
+  bool proposed() const { return report.state == TuneState::kProposed; }
 };
 
-Json json_of_result(const Result& result, const std::string& word) {
-  Json object = {{"result", word}};
+Json json_of_result(const Result& result) {
+  const std::string word = result.proposed() ? "proposed" : result_of(result.report);
+  Json object = {{"result", word}, {"by", result.by}};
   object.update(json_of(result.report));
+  // No register has them, and nothing that a scope could tell them by.
+  object["flaws"].erase("overruns");
   object["first_announced"] = json_of(result.first_announced);
   if (!result.shapers.empty()) object["shaper"] = sim::spec_text(result.shapers);
   return object;
 }
 
-void print_result(const Result& result, bool proposed) {
+void print_result(const Result& result) {
   const TuneReport& report = result.report;
   print_report(report, kCounts);
-  if (proposed) {
+  if (result.proposed()) {
     fmt::print("\nproposed: residual at most {:.2f} %, delay {} s, length {} s; nothing is kept\n",
                100.0 * report.proposal.residual, report.proposal.delay_s, report.proposal.length_s);
   }
   print_proposal(report, result.shapers, kCounts);
+}
+
+// A tuning that has been started.
+Result follow_drive(TuneClient& client, bool propose, bool json) {
+  Result result{"drive", {}, {}, {}};
+  const TuneState state = or_abort(client, [&] {
+    result.first_announced = client.announced();
+    show(result.first_announced, json);
+    return run_watched(client, propose);
+  });
+  result.report = client.report();
+  if (state == TuneState::kProposed) abort(client);
+  if (state == TuneState::kKept) result.shapers = client.shapers();
+  return result;
+}
+
+Result tune_from_here(sim::RegisterPort& port, const TuneRegisters& registers, bool propose, bool json) {
+  Result result{"host", {}, {}, {}};
+  Progress progress("tuning from the host");
+  HostTuneTask task{registers, propose, {}, {}};
+  task.announced = [&](const Announcement& told) {
+    result.first_announced = told;
+    show(told, json);
+  };
+  task.meanwhile = [&](double part_done) {
+    progress.update(part_done);
+    heed_the_end();
+  };
+  const HostTuning tuning = tune_by_host(port, task);
+  result.report = tuning.report;
+  result.shapers = tuning.shapers;
+  return result;
+}
+
+bool is_one_of(const std::string& text, const std::vector<std::string>& words) {
+  return std::find(words.begin(), words.end(), text) != words.end();
+}
+
+// False where the drive has no tuner and nobody said that it must be the drive.
+bool start_on_drive(TuneClient& client, const TuneRegisters& registers, const DriveTuneOptions& options, bool json) {
+  try {
+    client.start(registers);
+    return true;
+  } catch (const sim::Refusal& refusal) {
+    // One that was refused may be somebody else's tuning; one whose answer was lost may have begun.
+    if (refusal.result() == "client_silent") abort_if_it_hears(client);
+    if (refusal.result() != "drive_refused" || !options.by.empty() || !client.has_no_tuner()) throw;
+  }
+  fmt::print(json ? stderr : stdout, "the drive has no tuner: the host tunes it, by its scope\n");
+  return false;
 }
 
 }  // namespace
@@ -138,34 +199,22 @@ void add_drive_tune_options(CLI::App& app, DriveTuneOptions& options) {
 }
 
 int tune_drive(sim::RegisterPort& port, const DriveTuneOptions& options, const Output& output) {
+  if (!is_one_of(options.by, {"", "host", "drive"}))
+    throw sim::bad_argument("--by", options.by, "nobody who tunes, host and drive are accepted");
   TuneClient client(port);
   TuneRegisters registers = client.registers();
   take_options(options, registers);
   if (!client.client().is_enabled()) client.client().enable();
-  Result result{};
   const Interruptible interruptible;
-  try {
-    client.start(registers);
-  } catch (const sim::Refusal& refusal) {
-    // One that was refused may be somebody else's tuning; one whose answer was lost may have begun.
-    if (refusal.result() == "client_silent") abort_if_it_hears(client);
-    throw;
-  }
-  const TuneState state = or_abort(client, [&] {
-    result.first_announced = client.announced();
-    show(result.first_announced, output.json);
-    return run_watched(client, options.propose);
-  });
-  result.report = client.report();
-  const bool proposed = state == TuneState::kProposed;
-  if (proposed) abort(client);
-  if (state == TuneState::kKept) result.shapers = client.shapers();
+  const bool by_drive = options.by != "host" && start_on_drive(client, registers, options, output.json);
+  const Result result = by_drive ? follow_drive(client, options.propose, output.json)
+                                 : tune_from_here(port, registers, options.propose, output.json);
   if (output.json) {
-    print_json(json_of_result(result, proposed ? "proposed" : result_of(result.report)));
+    print_json(json_of_result(result));
   } else {
-    print_result(result, proposed);
+    print_result(result);
   }
-  return proposed || state == TuneState::kKept ? 0 : exit_code_of_failure(result.report);
+  return result.proposed() || result.report.state == TuneState::kKept ? 0 : exit_code_of_failure(result.report);
 }
 
 }  // namespace stillpoint::cli

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// `stillpoint drive PORT tune`: the drive's own auto-tune, started, watched and ended from here.
+// `stillpoint drive PORT tune`: the drive's own auto-tune, started, watched and ended from here; or the host's.
 #pragma once
 
 #include <string>
@@ -18,10 +18,12 @@ struct DriveTuneOptions {
   std::string band;
   std::string tolerance;
   bool propose = false;  // end where a shaper is proposed, and keep nothing
+  std::string by;        // "drive", "host", or empty: the host where the drive cannot
 };
 void add_drive_tune_options(CLI::App& app, DriveTuneOptions& options);
 
-// Enables the drive, tunes by its profile in force. Interrupted, it aborts the tuning before it throws. The exit code.
+// Enables the drive, tunes by its profile in force. Interrupted, it aborts the tuning, and from the host halts the axis
+// and puts the shaper of before back, before it throws. The exit code.
 int tune_drive(sim::RegisterPort& port, const DriveTuneOptions& options, const Output& output);
 
 }  // namespace stillpoint::cli

@@ -139,6 +139,12 @@ sim::SpecifiedShaper specified(const ModeRegisters& mode) {
   return spec;
 }
 
+std::vector<sim::SpecifiedShaper> specified(const std::vector<ModeRegisters>& modes) {
+  std::vector<sim::SpecifiedShaper> specs;
+  for (const ModeRegisters& mode : modes) specs.push_back(specified(mode));
+  return specs;
+}
+
 void round_to_registers(sim::SpecifiedShaper& spec) {
   spec = specified(registers_of(std::vector<sim::SpecifiedShaper>{spec})[0]);
 }

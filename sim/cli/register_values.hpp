@@ -50,6 +50,7 @@ std::vector<ModeRegisters> registers_of(const std::vector<sim::SpecifiedShaper>&
 
 // What the registers of a mode say.
 sim::SpecifiedShaper specified(const ModeRegisters& mode);
+std::vector<sim::SpecifiedShaper> specified(const std::vector<ModeRegisters>& modes);
 
 // The specification as its registers have it. Refuses as registers_of.
 void round_to_registers(sim::SpecifiedShaper& spec);

@@ -8,7 +8,6 @@ namespace stillpoint::cli {
 namespace {
 
 using firmware::FoundField;
-using firmware::ModeField;
 using firmware::Register;
 using firmware::TuneCommand;
 
@@ -65,6 +64,11 @@ void TuneClient::command(TuneCommand command) {
   or_with_reason([&] { client_.write(Register::kTuneCommand, static_cast<uint16_t>(command)); });
 }
 
+bool TuneClient::has_no_tuner() {
+  return client_.read(Register::kRefusalReason) == firmware::kReasonNotAvailable &&
+         client_.read(Register::kRefusedRegister) == firmware::address_of(Register::kTuneCommand);
+}
+
 TuneState TuneClient::run(const OnState& on_state) {
   TuneState state = TuneState::kIdle;
   const auto enough = [&] {
@@ -119,20 +123,6 @@ TuneReport TuneClient::report() {
   return report;
 }
 
-std::vector<sim::SpecifiedShaper> TuneClient::shapers() {
-  std::vector<sim::SpecifiedShaper> specs;
-  const uint32_t count = client_.read(Register::kModeCount);
-  for (uint32_t k = 0; k < count; ++k) {
-    const auto field = [&](ModeField name) { return client_.read(firmware::mode_register(k, name)); };
-    ModeRegisters mode{};
-    mode.frequency = client_.read32(firmware::mode_register(k, ModeField::kFrequency));
-    mode.damping = field(ModeField::kDamping);
-    mode.tolerance = field(ModeField::kTolerance);
-    mode.kind = field(ModeField::kKind);
-    mode.spacing = field(ModeField::kSpacing);
-    specs.push_back(specified(mode));
-  }
-  return specs;
-}
+std::vector<sim::SpecifiedShaper> TuneClient::shapers() { return specified(client_.staged_modes()); }
 
 }  // namespace stillpoint::cli

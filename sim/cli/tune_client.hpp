@@ -20,6 +20,8 @@ class TuneClient {
   // Throws a Refusal with the drive's own reason where it does not take them, or does not start.
   void start(const TuneRegisters& registers);
   void command(firmware::TuneCommand command);
+  // Whether that is what the drive refused last.
+  bool has_no_tuner();
 
   // As the drive has them now.
   TuneRegisters registers();

@@ -10,7 +10,7 @@ using namespace stillpoint::testing;
 namespace {
 
 enum : uint32_t { kStop, kArm, kTrigger };
-enum : uint32_t { kByHand, kLevel, kMotion, kFault };
+enum : uint32_t { kByHand, kLevel, kMotion, kFault, kRest };
 enum : uint32_t { kIdle, kWaiting, kTriggered, kFull };
 constexpr uint16_t kSetpoint = 2, kPosition = 3, kFollowing = 4, kVelocity = 6, kAccelerometer = 8, kFlags = 11;
 constexpr uint32_t kNothingToDo = 0x9200, kTuning = 0x9100;
@@ -170,6 +170,28 @@ TEST_F(ScopeRig, a_motion_triggers_with_its_first_tick) {
   const int32_t first = samples(0)[before];
   TEST_ASSERT_EQUAL_INT64(at(first - 2).setpoint, at(first - 1).setpoint);
   TEST_ASSERT_FALSE(at(first + 1).setpoint == at(first - 1).setpoint);
+}
+
+TEST_F(ScopeRig, a_rest_triggers_with_the_first_tick_that_stands) {
+  for (const uint32_t pre : {0U, 10U}) {
+    TEST_INFO("pre", pre);
+    set_up(kRest, pre, 1, {kAccelerometer, kSetpoint});
+    TEST_ASSERT_EQUAL_UINT32(0, command(kArm));
+    step(500);
+    TEST_ASSERT_EQUAL_UINT32(kWaiting, scope_state());
+    const int32_t target = pre == 0 ? 500000 : 0;
+    start_move(target);
+    control(0x0F);
+    fill();
+    const uint32_t before = get(0x0309);
+    TEST_ASSERT_EQUAL_UINT32(1024 * pre / 100, before);
+    const std::vector<int32_t> values = samples(1);
+    for (size_t n = before; n < values.size(); ++n) TEST_ASSERT_EQUAL_INT64(target, values[n]);
+    // The setpoint moved last in the tick before.
+    const int32_t first = samples(0)[before];
+    TEST_ASSERT_EQUAL_INT64(target * kCount, at(first).setpoint);
+    TEST_ASSERT_FALSE(at(first - 1).setpoint == at(first - 2).setpoint);
+  }
 }
 
 TEST_F(ScopeRig, a_fault_triggers_and_what_led_to_it_is_there) {

@@ -81,6 +81,34 @@ TEST(a_scope_captures_the_move_that_it_makes_and_its_file_can_be_drawn) {
   TEST_ASSERT_TRUE(json_of(emulated.drive("get scope-state"))["scope-state"] == 0);
 }
 
+TEST(a_drive_is_tuned_from_the_host_and_an_interrupt_puts_its_shaper_back) {
+  const Emulated emulated;
+  const std::string tune = emulated.drive("tune --by host --band 5:200 --amplitude 50000");
+  check_refused(2, "--by: me: ", emulated.drive("tune --by me"));
+  check_refused(2, "--excitation: bump: ", emulated.drive("tune --by host --excitation bump"));
+  const Outcome tuned = run_program(tune + " --json");
+  TEST_INFO(errors, tuned.errors);
+  TEST_ASSERT_EQUAL_INT32(0, tuned.exit_code);
+  TEST_ASSERT_TRUE(tuned.errors.rfind("will move at most 50000 counts", 0) == 0);
+  const Json object = Json::parse(tuned.output);
+  check_keys(object, {"result", "by", "identified", "source", "source_enough", "excited_by", "announced", "flaws",
+                      "predicted", "verified", "first_announced", "shaper"});
+  TEST_ASSERT_TRUE(object["by"] == "host");
+  TEST_ASSERT_TRUE(object["flaws"] == Json({{"gaps", 0}, {"saturated", 0}}));
+  const double frequency_hz = object["identified"]["modes"][0]["frequency_hz"].get<double>();
+  TEST_ASSERT_DOUBLE_WITHIN(0.055, 11.0, frequency_hz);
+  const Json in_force = json_of(emulated.drive("get 0100 0102 0131 0134"));
+  TEST_ASSERT_TRUE(in_force["shaper-state"] == 1);
+
+  const std::string log = scratch_file("interrupted.log");
+  const std::string interrupted =
+      std::string("timeout -s INT 1 '") + STILLPOINT_PROGRAM + "' " + tune + " > " + log + " 2>&1";
+  TEST_ASSERT_FALSE(std::system(interrupted.c_str()) == 0);
+  TEST_ASSERT_TRUE(read_text(log).find("tune: interrupted: ") != std::string::npos);
+  TEST_ASSERT_TRUE(json_of(emulated.drive("get 0100 0102 0131 0134")) == in_force);
+  TEST_ASSERT_TRUE(json_of(emulated.drive("status"))["state"] == "operation enabled");
+}
+
 TEST(registers_are_read_and_written_by_name_and_by_address) {
   const Emulated emulated;
   TEST_ASSERT_TRUE(json_of(emulated.drive("set profile-velocity 900000"))["profile-velocity"] == 900000);
