@@ -27,7 +27,9 @@ Wide quotient(const Wide& value, const Wide& time) {
 }
 
 // Spans a tick of a table over `time`.
-Wide rate_of(const ProfileTable& table, const Wide& time) { return quotient(Wide{0, uint64_t{table.spans} << 32}, time); }
+Wide rate_of(const ProfileTable& table, const Wide& time) {
+  return quotient(Wide{0, uint64_t{table.spans} << 32}, time);
+}
 
 Wide to_length(const Wide& counts) { return shifted_right(counts, kTrackFractionBits - kLengthBits); }
 
