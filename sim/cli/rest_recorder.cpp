@@ -38,6 +38,10 @@ sim::RecordedRest RestRecorder::move_and_record() {
   const uint32_t missing_before = client_.read32(Register::kServoMissing);
   heard = {record(by_accelerometer_ ? "accelerometer" : "following-error", decimation_)[0], decimation_};
   gaps_ = client_.read32(Register::kServoMissing) - missing_before;
+  if (heard.samples.size() < TuneMemory::kSamples) {
+    throw sim::Refusal(sim::Refusal::Cause::kCannot, "scope", std::to_string(heard.samples.size()) + " samples",
+                       "too few, " + std::to_string(TuneMemory::kSamples) + " are accepted", text(Finding::kTooShort));
+  }
   if (gaps_ > heard.ticks() / kGapsOfTicks) {
     throw sim::Refusal(sim::Refusal::Cause::kCannot, "record", std::to_string(gaps_) + " ticks without feedback",
                        "at most 1 % are accepted", text(Finding::kNoisy));
