@@ -235,7 +235,6 @@ void borrow(sim::RegisterPort& port, Borrowed& borrowed) {
   borrowed.set(Register::kMode, kPositions);
   client.wait("profile position mode", [&] { return client.read(Register::kModeDisplay) == kPositions; });
   borrowed.set(Register::kMoveDurationMs, 0);
-  borrowed.set(Register::kZeroDelay, client.read(Register::kZeroDelay));
 }
 
 }  // namespace

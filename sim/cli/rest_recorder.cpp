@@ -75,13 +75,6 @@ RestRecorder::Channels RestRecorder::record(const std::string& channels, uint32_
 MoveReport RestRecorder::start_other_way() {
   is_out_ = !is_out_;
   client_.write32(Register::kTargetPosition, static_cast<uint32_t>(ends_[is_out_ ? 1 : 0]));
-  try {
-    return client_.start();
-  } catch (const sim::Refusal& refusal) {
-    if (refusal.result() != "drive_refused" || client_.read(Register::kZeroDelay) == 0) throw;
-    client_.write(Register::kZeroDelay, 0);
-  }
-  client_.enable();  // takes the set-point's bit back, which is to rise again
   return client_.start();
 }
 
