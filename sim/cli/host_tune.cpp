@@ -167,6 +167,7 @@ class HostTuner {
   }
 
   uint32_t uptime_ms() { return client_.read32(Register::kUptimeMs); }
+  uint32_t drive_ticks() { return client_.read32(Register::kServoTicks); }
 
   void wait_ms(uint32_t ms) {
     for (const uint32_t begun = uptime_ms(); uptime_ms() - begun < ms;) watch();
@@ -189,13 +190,13 @@ class HostTuner {
   void take_record() {
     rest_ = recorder_.move_and_record();
     if (rig_->tune.report().state != TuneState::kVerifying) gaps_ = recorder_.gaps();
-    recorded_ms_ = seen_ms_ = uptime_ms();
+    recorded_at_ = seen_at_ = drive_ticks();
   }
 
-  void wait_after_record(uint32_t ms) {
-    while (seen_ms_ - recorded_ms_ < ms) {
+  void wait_after_record(uint32_t ticks) {
+    while (seen_at_ - recorded_at_ < ticks) {
       watch();
-      seen_ms_ = uptime_ms();
+      seen_at_ = drive_ticks();
     }
   }
 
@@ -209,8 +210,8 @@ class HostTuner {
   bool moves_ = false;
   uint32_t told_ = 0;  // ticks of the motion, or of the rest
   uint32_t gaps_ = 0;
-  uint32_t recorded_ms_ = 0;
-  uint32_t seen_ms_ = 0;
+  uint32_t recorded_at_ = 0;  // of the drive's ticks
+  uint32_t seen_at_ = 0;
 };
 
 // Whatever can be: the drive may be silent, or in a fault.
@@ -234,7 +235,6 @@ void borrow(sim::RegisterPort& port, Borrowed& borrowed) {
   borrowed.set(Register::kMode, kPositions);
   client.wait("profile position mode", [&] { return client.read(Register::kModeDisplay) == kPositions; });
   borrowed.set(Register::kMoveDurationMs, 0);
-  borrowed.set(Register::kZeroDelay, client.read(Register::kZeroDelay));
 }
 
 }  // namespace

@@ -35,8 +35,8 @@ struct HostTuning {
 //    stands. That is taken for the same after the other moves.
 //  - a sample is the last of its ticks, no mean; 1792 of them, not 2048; the following error in whole counts.
 //  - a bump, a sine and a chirp cannot be had by set-points: refused by the option's name.
-// Throws a Refusal, the shaper of before in force again and the axis at rest. What it changes besides (mode, move
-// duration, zero delay) is as it was at the end; target and scope's settings are not.
+// Throws a Refusal, the shaper of before in force again (in a fault: once that is reset) and the axis at rest. Mode and
+// move duration are as they were at the end; target and the settings of the scope are not.
 HostTuning tune_by_host(sim::RegisterPort& port, const HostTuneTask& task);
 
 }  // namespace stillpoint::cli

@@ -38,6 +38,10 @@ sim::RecordedRest RestRecorder::move_and_record() {
   const uint32_t missing_before = client_.read32(Register::kServoMissing);
   heard = {record(by_accelerometer_ ? "accelerometer" : "following-error", decimation_)[0], decimation_};
   gaps_ = client_.read32(Register::kServoMissing) - missing_before;
+  if (heard.samples.size() < TuneMemory::kSamples) {
+    throw sim::Refusal(sim::Refusal::Cause::kCannot, "scope", std::to_string(heard.samples.size()) + " samples",
+                       "too few, " + std::to_string(TuneMemory::kSamples) + " are accepted", text(Finding::kTooShort));
+  }
   if (gaps_ > heard.ticks() / kGapsOfTicks) {
     throw sim::Refusal(sim::Refusal::Cause::kCannot, "record", std::to_string(gaps_) + " ticks without feedback",
                        "at most 1 % are accepted", text(Finding::kNoisy));
@@ -71,13 +75,6 @@ RestRecorder::Channels RestRecorder::record(const std::string& channels, uint32_
 MoveReport RestRecorder::start_other_way() {
   is_out_ = !is_out_;
   client_.write32(Register::kTargetPosition, static_cast<uint32_t>(ends_[is_out_ ? 1 : 0]));
-  try {
-    return client_.start();
-  } catch (const sim::Refusal& refusal) {
-    if (refusal.result() != "drive_refused" || client_.read(Register::kZeroDelay) == 0) throw;
-    client_.write(Register::kZeroDelay, 0);
-  }
-  client_.enable();  // takes the set-point's bit back, which is to rise again
   return client_.start();
 }
 

@@ -23,9 +23,9 @@ class RestRecorder {
   // Between where the axis stands, `home`, and the config's target. Refuses a band as plan_listening does.
   void prepare(const TuneConfig& config, int32_t home);
 
-  // To the other end, without zero delay where the drive refuses it with (register 0137 then is 0). Before the first,
-  // unless it is the following error that is asked for, once there and back to see both sensors. Throws a Refusal, also
-  // where more than 1 % of the ticks had no feedback.
+  // To the other end. Before the first, unless it is the following error that is asked for, once there and back to see
+  // both sensors. Throws a Refusal, also where more than 1 % of the ticks had no feedback, or the scope holds fewer
+  // samples than the drive's own tuner.
   sim::RecordedRest move_and_record();
 
   // Of the last record, in ticks, with the motion before it.

@@ -254,6 +254,18 @@ TEST(a_proposal_and_an_arm_that_does_not_ring_keep_nothing) {
   stiff.check_stands();
 }
 
+TEST(what_is_staged_behind_no_shaper_stays_staged_and_out_of_force) {
+  HostTuned rig;
+  TEST_ASSERT_EQUAL_UINT32(0, rig.write(0x0102, {1, 24464, 5000, 0, 2, 0}));
+  TEST_ASSERT_EQUAL_UINT32(0, rig.write_single(0x0100, 1));
+  const std::vector<uint32_t> before = rig.settings();
+  cli::HostTuneTask task = task_of(rig.port);
+  task.propose = true;
+  TEST_ASSERT_EQUAL_ENUM(TuneState::kProposed, tune_by_host(rig.port, task).report.state);
+  TEST_ASSERT_TRUE(before == rig.settings());
+  TEST_ASSERT_EQUAL_UINT32(0, rig.get(0x0131));
+}
+
 TEST(zero_delay_is_kept_and_a_soft_limit_turns_the_move_round) {
   HostTuned rig;
   TEST_ASSERT_EQUAL_UINT32(0, rig.write_single(0x0137, 1));
