@@ -27,14 +27,16 @@ Wide quotient(const Wide& value, const Wide& time) {
 }
 
 // Spans a tick of a table over `time`.
-Wide rate_of(const ProfileTable& table, const Wide& time) { return quotient(Wide{0, uint64_t{table.spans} << 32}, time); }
+Wide rate_of(const ProfileTable& table, const Wide& time) {
+  return quotient(Wide{0, uint64_t{table.spans} << 32}, time);
+}
 
 Wide to_length(const Wide& counts) { return shifted_right(counts, kTrackFractionBits - kLengthBits); }
 
 // A ramp this short is none: at the one tick that may lie in it the position differs by 2^-12 of a tick's way.
 constexpr double kShortestTicks = 1.0 / 1024.0;
 
-Wide half_time(const CurvePiece& piece) {
+[[gnu::noinline]] Wide half_time(const CurvePiece& piece) {
   return piece.duration_ticks < kShortestTicks ? Wide{0, 0} : wide_from_double(piece.duration_ticks, kTimeBits - 1);
 }
 
