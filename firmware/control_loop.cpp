@@ -18,12 +18,12 @@ int32_t saturated(int64_t value) {
 
 }  // namespace
 
-int32_t counts_per_second(Signal change_per_tick, uint32_t ticks_per_second) {
+[[gnu::noinline]] int32_t counts_per_second(Signal change_per_tick, uint32_t ticks_per_second) {
   // Half of the fraction goes before the product, so that it fits at any tick rate up to 65 kHz.
   return saturated((change_per_tick >> 16) * static_cast<int64_t>(ticks_per_second) >> 16);
 }
 
-int32_t following_error(const LoopSnapshot& loop) {
+[[gnu::noinline]] int32_t following_error(const LoopSnapshot& loop) {
   if (!loop.enabled) return 0;
   return saturated(int64_t{counts_from_signal(loop.axis.setpoint)} - counts_from_signal(loop.position));
 }

@@ -51,7 +51,7 @@ void ShaperSettings::show_set(uint32_t set) {
   shown_ = set;
 }
 
-ShaperSettings::Place ShaperSettings::place_of(Register name) {
+[[gnu::noinline]] ShaperSettings::Place ShaperSettings::place_of(Register name) {
   if (name == Register::kModeCount) return {0, kFieldCount};
   const uint32_t offset = static_cast<uint32_t>(address_of(name) - address_of(Register::kFirstMode));
   uint32_t field = 0;
@@ -143,7 +143,7 @@ void ShaperSettings::follow(double worthwhile) {
   request(set_in_force_, staged, Retune::kAtRest);
 }
 
-void ShaperSettings::note_change() {
+[[gnu::noinline]] void ShaperSettings::note_change() {
   restoring_ = false;
   ++changes_;
   parameters_->set(Register::kTrackingRefusal, 0);

@@ -24,7 +24,7 @@ void AxisCore::hand_over(Pending what, uint32_t epoch) {
   store(pending_, what);
 }
 
-void AxisCore::hand_over_move(PendingMove what, uint32_t epoch) {
+[[gnu::noinline]] void AxisCore::hand_over_move(PendingMove what, uint32_t epoch) {
   move_epoch_ = epoch;
   flight_armed_ = false;
   store(pending_move_, what);
@@ -143,7 +143,7 @@ void AxisCore::end_blend() {
 }
 
 // Only on the way to rest, where the new shaper then takes effect.
-void AxisCore::drop_blend() {
+[[gnu::noinline]] void AxisCore::drop_blend() {
   if (!blending_) return;
   blending_ = false;
   length_ticks_ = shapers_[active_shaper_].length_ticks();
@@ -164,7 +164,7 @@ void AxisCore::begin_stop() {
   stopping_ = true;
 }
 
-void AxisCore::rest_at(Signal position) {
+[[gnu::noinline]] void AxisCore::rest_at(Signal position) {
   sampler_.rest_at(position);
   streaming_ = false;
   shapers_[active_shaper_].fill(position);

@@ -274,7 +274,7 @@ Status AxisCore::check_extent(const Course& course) const {
 }
 
 // The line holds what the track in force has fed it; what came before that track is not known.
-Status AxisCore::check_stream(const Flight& flight, const AxisState& now, uint32_t lead) {
+[[gnu::noinline]] Status AxisCore::check_stream(const Flight& flight, const AxisState& now, uint32_t lead) {
   if (load(pending_) != kNothing || running().stage_count() == 0) return busy();
   const uint32_t spare = active_shaper_ ^ 1;
   const Track& next = tracks_[active_track_ ^ 1];

@@ -14,7 +14,7 @@ namespace {
 // Negative gains may raise peaks. Slowed down by the factor k, the first three differences stay within G v / k,
 // G a / k^2 and G j / k^3 of either sign, G the peak gain: so k = max(G, sqrt(G r)), r the larger of the accelerations
 // over the smaller, is certainly enough.
-double certainly_enough(double gain, const AxisLimits& limits) {
+[[gnu::noinline]] double certainly_enough(double gain, const AxisLimits& limits) {
   const double ratio = limits.acceleration / limits.deceleration;
   const double by_acceleration = math::sqrt(gain * (ratio > 1.0 ? ratio : 1.0 / ratio));
   return by_acceleration > gain ? by_acceleration : gain;
@@ -122,8 +122,8 @@ Status AxisCore::time_within(const Move& move, Signal start, Signal target, uint
 
 // The raised plan and the plain one, each slowed down or sped up to what is available, if its stream keeps the limits
 // there; of the two the one with the lower peaks. Else the raised plan as it is, which ends before that.
-Status AxisCore::time_sooner(const Move& move, Signal start, Signal target, uint32_t available, Plan& plan,
-                             MoveReport& report) {
+[[gnu::noinline]] Status AxisCore::time_sooner(const Move& move, Signal start, Signal target, uint32_t available,
+                                               Plan& plan, MoveReport& report) {
   ShapedMoveCheck check = check_for(move, start, target);
   CheckedPlan best = SoonestSearch(check, shaper(), move, plan, config_.tick_s).find();
   if (best.plan.duration_ticks > available) {

@@ -85,7 +85,8 @@ bool SoonestSearch::breaks(const Factors& factors) {
   return false;
 }
 
-double SoonestSearch::largest(double Factors::*factor, Factors factors, double low, double high) {
+double SoonestSearch::largest(double Factors::*factor, const Factors& begin, double low, double high) {
+  Factors factors = begin;
   constexpr int kSteps = 6;  // to 3 % of the range
   for (int step = 0; step < kSteps; ++step) {
     factors.*factor = math::sqrt(low * high);

@@ -48,7 +48,7 @@ class SoonestSearch {
   };
 
   bool breaks(const Factors& factors);
-  double largest(double Factors::*factor, Factors factors, double low, double high);
+  double largest(double Factors::*factor, const Factors& begin, double low, double high);
   void keep(const Plan& plan, MoveTiming timing);
   void scale();
   void raise_limits();

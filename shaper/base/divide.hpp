@@ -25,7 +25,7 @@ constexpr uint64_t divide(uint64_t dividend, uint64_t divisor) {
 }
 
 // floor(sqrt(square)), square < 2^62. Any context; 31 turns.
-constexpr uint64_t root(uint64_t square) {
+[[gnu::noinline]] constexpr uint64_t root(uint64_t square) {
   uint64_t result = 0;
   for (int bit = 30; bit >= 0; --bit) {
     const uint64_t tried = (2 * result + (UINT64_C(1) << bit)) << bit;  // (result + 2^bit)^2 - result^2

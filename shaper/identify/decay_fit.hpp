@@ -36,7 +36,9 @@ class DecayFit {
                             const Meanwhile& meanwhile = {});
 
   // Of the last pass. Sum of squares of what is left, and of component k.
-  double residual_energy() const { return math::square(triangle_.row[triangle_.columns - 1][triangle_.columns - 1]); }
+  [[gnu::noinline]] double residual_energy() const {
+    return math::square(triangle_.row[triangle_.columns - 1][triangle_.columns - 1]);
+  }
   ComponentCovariance covariance(const DecayModel& model, size_t k) const;
 
   static constexpr int kMostPasses = 30;

@@ -22,7 +22,9 @@ constexpr double kNotViscousPart = 0.25;
 
 enum class Nature : uint8_t { kRinging, kHum, kSlow, kTransient, kUnclear };
 
-double damping_ratio_of(double decay, double angle) { return decay / math::sqrt(decay * decay + angle * angle); }
+[[gnu::noinline]] double damping_ratio_of(double decay, double angle) {
+  return decay / math::sqrt(decay * decay + angle * angle);
+}
 
 Nature nature_of(const Component& component, const ComponentDoubt& doubt) {
   const double spread = math::sqrt(doubt.decay);

@@ -3,7 +3,7 @@
 
 namespace stillpoint {
 
-Rotor::Rotor(Complex rate, size_t first) : rate_(rate), step_(math::exp(rate)), n_(first) { renew(); }
+Rotor::Rotor(const Complex& rate, size_t first) : rate_(rate), step_(math::exp(rate)), n_(first) { renew(); }
 
 void Rotor::renew() { value_ = math::exp(static_cast<double>(n_) * rate_); }
 

@@ -12,7 +12,7 @@ namespace stillpoint {
 class Rotor {
  public:
   Rotor() = default;
-  explicit Rotor(Complex rate, size_t first = 0);
+  explicit Rotor(const Complex& rate, size_t first = 0);
 
   Complex value() const { return value_; }
   void advance() {

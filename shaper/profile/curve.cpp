@@ -36,7 +36,7 @@ Wide to_length(const Wide& counts) { return shifted_right(counts, kTrackFraction
 // A ramp this short is none: at the one tick that may lie in it the position differs by 2^-12 of a tick's way.
 constexpr double kShortestTicks = 1.0 / 1024.0;
 
-Wide half_time(const CurvePiece& piece) {
+[[gnu::noinline]] Wide half_time(const CurvePiece& piece) {
   return piece.duration_ticks < kShortestTicks ? Wide{0, 0} : wide_from_double(piece.duration_ticks, kTimeBits - 1);
 }
 

@@ -16,7 +16,7 @@ struct SineRamp {
     return root_velocity * math::greater(by_acceleration * root_velocity, by_jerk);
   }
   // d(v time)/ds for s = sqrt(v)
-  double slope(double s) const {
+  [[gnu::noinline]] double slope(double s) const {
     const double linear = by_acceleration * s;
     return s * s * (linear > by_jerk ? 4.0 * linear : 3.0 * by_jerk);
   }

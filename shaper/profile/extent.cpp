@@ -8,7 +8,7 @@ namespace stillpoint {
 
 namespace {
 
-void widen(Extent& extent, double position) {
+[[gnu::noinline]] void widen(Extent& extent, double position) {
   if (position < extent.lowest) extent.lowest = position;
   if (position > extent.highest) extent.highest = position;
 }

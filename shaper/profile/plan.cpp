@@ -30,7 +30,7 @@ struct Ramp {
   double ticks() const { return 2.0 * jerk_ticks + constant_ticks; }
 };
 
-Ramp ramp_to(double velocity, const RampLimits& limits) {
+[[gnu::noinline]] Ramp ramp_to(double velocity, const RampLimits& limits) {
   const double jerk_ticks = limits.acceleration / limits.jerk;
   if (velocity > limits.acceleration * jerk_ticks) return Ramp{jerk_ticks, velocity / limits.acceleration - jerk_ticks};
   return Ramp{math::sqrt(velocity / limits.jerk), 0.0};

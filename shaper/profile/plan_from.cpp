@@ -18,7 +18,8 @@ struct Task {
   Motion start;
 };
 
-Motion after_all(Motion motion, const PhaseList& phases) {
+Motion after_all(const Motion& from, const PhaseList& phases) {
+  Motion motion = from;
   for (uint32_t i = 0; i < phases.count; ++i) motion = advanced(motion, phases.phase[i].jerk, phases.phase[i].ticks);
   return motion;
 }

@@ -11,7 +11,7 @@ Wide wide(double counts) { return wide_from_double(counts, kTrackFractionBits); 
 
 double to_counts(const Wide& wide) { return to_double(wide, kTrackFractionBits); }
 
-void swap(double (&a)[3], double (&b)[3]) {
+[[gnu::noinline]] void swap(double (&a)[3], double (&b)[3]) {
   for (int i = 0; i < 3; ++i) {
     const double was = a[i];
     a[i] = b[i];

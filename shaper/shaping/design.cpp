@@ -32,7 +32,7 @@ bool within_gains(const Cascade& taps) {
 double highest_ratio(const Prototype& prototype) { return prototype.zeros[prototype.zero_count - 1].ratio; }
 
 // The longest part of a prototype, in periods of the mode.
-double longest_part(const Prototype& prototype) {
+[[gnu::noinline]] double longest_part(const Prototype& prototype) {
   double longest = 0.0;
   for (uint32_t i = 0; i < prototype.train.part_count; ++i) {
     const Cascade::Part& part = prototype.train.parts[i];

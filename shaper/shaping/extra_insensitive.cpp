@@ -148,7 +148,7 @@ void centre_row(const Unknowns& at, const Complex& unit, System& system, uint32_
   system.right(row) = unit.re * end - ratio.re;
 }
 
-Cascade train_of(const Unknowns& at) {
+[[gnu::noinline]] Cascade train_of(const Unknowns& at) {
   Cascade train{};
   train.add(at.impulses, at.count());
   return train;

@@ -30,7 +30,7 @@ struct Hump {
 };
 
 // Between a point that rises and one that falls.
-Point top_between(const Hump& hump, Point left, Point right) {
+Point top_between(const Hump& hump, Point& left, Point& right) {
   Point best = left.value > right.value ? left : right;
   int kept = 0;
   for (int i = 0; i < kMostSteps; ++i) {
@@ -82,8 +82,8 @@ Peak peak_near(const Cascade& cascade, double damping_ratio, double low, double 
   // One tenth beyond either end, so that the weights of the distances are not zero there.
   const double margin = 0.1 * (high - low);
   const Hump hump{cascade, damping_ratio, low - margin, 1.2 * (high - low)};
-  const Point left = hump.at(1.0 / 12.0);
-  const Point right = hump.at(11.0 / 12.0);
+  Point left = hump.at(1.0 / 12.0);
+  Point right = hump.at(11.0 / 12.0);
   Point best = left.value > right.value ? left : right;
   if (left.tilt > 0.0 && right.tilt < 0.0) best = top_between(hump, left, right);
   return Peak{hump.low + best.x * hump.span, best.value};

@@ -18,7 +18,7 @@ void make_zeros_at_mode(uint32_t count, double damping_ratio, Prototype& out) {
   }
 }
 
-void make_train(const Impulse* impulses, uint32_t count, double damping_ratio, Prototype& out) {
+[[gnu::noinline]] void make_train(const Impulse* impulses, uint32_t count, double damping_ratio, Prototype& out) {
   out = Prototype{};
   out.train.add(impulses, count);
   out.zeros[out.zero_count++] = Zero{1.0, damping_ratio};

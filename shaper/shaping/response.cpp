@@ -22,7 +22,7 @@ bool Cascade::has_negative() const {
   return false;
 }
 
-Complex exponent_of(double frequency, double damping_ratio) {
+[[gnu::noinline]] Complex exponent_of(double frequency, double damping_ratio) {
   const double angle = 2.0 * math::kPi * frequency;
   return {angle * damping_ratio, angle * math::sqrt((1.0 - damping_ratio) * (1.0 + damping_ratio))};
 }

@@ -18,7 +18,7 @@ constexpr double damped_ratio(double damping_ratio) {
 }
 
 // Times in the unit whose reciprocal `frequency` has.
-constexpr ZvImpulses zv_impulses(double frequency, double damping_ratio) {
+[[gnu::noinline]] constexpr ZvImpulses zv_impulses(double frequency, double damping_ratio) {
   const double root = damped_ratio(damping_ratio);
   const double k = math::exp(-math::kPi * damping_ratio / root);
   return {{{0.0, 1.0 / (1.0 + k)}, {0.5 / (frequency * root), k / (1.0 + k)}}};
