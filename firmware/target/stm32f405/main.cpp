@@ -25,9 +25,9 @@ using namespace stillpoint::stm32f405;
 enum class Servo : uint8_t { kLink, kPulses };
 constexpr Servo kServo = Servo::STILLPOINT_SERVO;
 
-// But for the ratio, which the registers have: a pulse a hundred counts is their default, 100,000 a second at the default
-// axis's full speed. Times as opto-coupled inputs ask for. SysTick shares its priority with nothing here, so a tick
-// starts late only by what masks interrupts.
+// But for the ratio, which the registers have: a pulse a hundred counts is their default, 100,000 a second at the
+// default axis's full speed. Times as opto-coupled inputs ask for. SysTick shares its priority with nothing here, so a
+// tick starts late only by what masks interrupts.
 constexpr firmware::PulseTiming pulse_timing(uint32_t core_hz) {
   firmware::PulseTiming timing{};
   static_cast<void>(firmware::plan_pulses(
