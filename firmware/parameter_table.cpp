@@ -195,8 +195,17 @@ constexpr Entry kTable[kParameterCount] = {
                  one_of(0, 1, 2) | one_of(5, 6))),
     with(Effect::kWatch, locked(value(R::kFaultOption, T::kI16, 0x605E, 0, 2, 2, "fault option", ""))),
 
-    // Both take where the axis stands for home; 37 is the number that older clients know it by.
+    // What a client makes revolutions of counts by; the drive itself has no use for them.
+    locked(value(R::kEncoderCounts, T::kU32, 0x608F, 1, kU32Max, 1000000, "encoder: so many counts are", "counts")),
+    locked(value(R::kEncoderRevolutions, T::kU32, 0x608F, 1, kU32Max, 1, "encoder: so many revolutions", "")),
+
+    // Both take where the axis stands for home; 37 is the number that older clients know it by. Neither moves.
     value(R::kHomingMethod, T::kI16, 0x6098, 35, 37, 35, "homing method", "", one_of(35 - 35, 37 - 35)),
+    profile(R::kHomingFast, 0x6099, 100000, R::kMaximumVelocity, "homing: to the switch (35, 37: not used)",
+            "counts/s"),
+    profile(R::kHomingSlow, 0x6099, 10000, R::kMaximumVelocity, "homing: to the zero (35, 37: not used)", "counts/s"),
+    profile(R::kHomingAcceleration, 0x609A, 1000000, R::kMaximumAcceleration,
+            "homing: acceleration (35, 37: not used)", "counts/s^2"),
 
     value(R::kStreamInterval, T::kU16, 0, 1, kMostStreamInterval, 10, "stream interval", "ticks"),
     value(R::kStreamPolicy, T::kU16, 0, 0, 1, 0, "stream policy (0 keep within the limits, 1 fault)", ""),

@@ -50,7 +50,7 @@ struct Parameter {
   constexpr bool writable() const { return access != Access::kRead; }
 };
 
-constexpr size_t kParameterCount = 187;
+constexpr size_t kParameterCount = 192;
 constexpr size_t kNoParameter = kParameterCount;
 
 // What people are told of one.
