@@ -27,7 +27,7 @@ struct UnitLimits {
 struct Ramp {
   double jerk_ticks;
   double constant_ticks;
-  double ticks() const { return 2.0 * jerk_ticks + constant_ticks; }
+  [[gnu::noinline]] double ticks() const { return 2.0 * jerk_ticks + constant_ticks; }
 };
 
 [[gnu::noinline]] Ramp ramp_to(double velocity, const RampLimits& limits) {
