@@ -87,7 +87,7 @@ struct Phases {
   Ramp ramp[kRamps];
   double cruise_ticks;
   double ramp_ticks() const { return ramp[kUp].ticks() + ramp[kDown].ticks(); }
-  double ticks() const { return ramp[kUp].ticks() + cruise_ticks + ramp[kDown].ticks(); }
+  [[gnu::noinline]] double ticks() const { return ramp[kUp].ticks() + cruise_ticks + ramp[kDown].ticks(); }
 };
 
 [[gnu::noinline]] Phases phases_at(double velocity, const UnitLimits& limits) {
