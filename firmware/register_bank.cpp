@@ -57,12 +57,20 @@ struct RegisterBank::Request {
   // Calls visit(parameter, index) for each whole parameter until one returns false.
   template <typename Visit>
   bool each(Visit visit) const {
+    size_t index = 0;
     for (uint32_t address = first; address < end();) {
-      const size_t index = find_parameter(static_cast<uint16_t>(address));
-      if (!visit(kParameters[index], index)) return false;
-      address += kParameters[index].words();
+      const Parameter parameter = take(address, index);
+      if (!visit(parameter, index)) return false;
     }
     return true;
+  }
+
+  // The parameter at `address`, which goes on to the next.
+  [[gnu::noinline]] static Parameter take(uint32_t& address, size_t& index) {
+    index = find_parameter(static_cast<uint16_t>(address));
+    const Parameter parameter = kParameters[index];
+    address += parameter.words();
+    return parameter;
   }
 };
 

@@ -18,7 +18,7 @@ ProfileKind kind_of(int32_t type) {
   }
 }
 
-Register culprit_of(const Status& status) {
+[[gnu::noinline]] Register culprit_of(const Status& status) {
   if (status.error == Error::kLimitExceeded) return Register::kMoveDurationMs;
   switch (status.quantity) {
     case Quantity::kVelocity: return Register::kProfileVelocity;

@@ -13,7 +13,7 @@ int64_t difference(int64_t a, int64_t b) {
 // Room for a sum of four of them.
 constexpr double kLargestLimit = 1152921504606846976.0;  // 2^60
 
-int64_t whole(double limit, int64_t rounding) {
+[[gnu::noinline]] int64_t whole(double limit, int64_t rounding) {
   return static_cast<int64_t>(limit < kLargestLimit ? limit : kLargestLimit) + rounding;
 }
 

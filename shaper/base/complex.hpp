@@ -19,7 +19,7 @@ struct Complex {
 }
 [[gnu::noinline]] constexpr Complex operator*(double a, const Complex& b) { return {a * b.re, a * b.im}; }
 constexpr Complex& operator+=(Complex& a, const Complex& b) { return a = a + b; }
-constexpr Complex conjugate(const Complex& a) { return {a.re, -a.im}; }
+[[gnu::noinline]] constexpr Complex conjugate(const Complex& a) { return {a.re, -a.im}; }
 [[gnu::noinline]] constexpr double square_of(const Complex& a) { return a.re * a.re + a.im * a.im; }
 [[gnu::noinline]] constexpr Complex operator/(const Complex& a, const Complex& b) {
   return (1.0 / square_of(b)) * (a * conjugate(b));

@@ -3,13 +3,15 @@
 
 #include <stddef.h>
 
+#include "shaper/base/shared.hpp"
+
 namespace stillpoint {
 
 // First in, first out, at most kCapacity elements, no allocation. One writer and one reader in the same context, or one
 // of them in an interrupt: `push` changes only `head_`, `pop` only `tail_`, and each publishes its index last.
 template <typename T, size_t kCapacity>
 class RingBuffer {
-  static_assert(kCapacity >= 1, "a ring buffer holds at least one element");
+  static_assert(kCapacity >= 1 && kCapacity < UINT32_MAX, "a ring buffer holds at least one element");
 
  public:
   static constexpr size_t capacity() { return kCapacity; }
@@ -18,47 +20,47 @@ class RingBuffer {
   bool full() const { return size() == kCapacity; }
 
   size_t size() const {
-    const size_t head = __atomic_load_n(&head_, __ATOMIC_ACQUIRE);
-    const size_t tail = __atomic_load_n(&tail_, __ATOMIC_ACQUIRE);
+    const uint32_t head = load(head_);
+    const uint32_t tail = load(tail_);
     return head >= tail ? head - tail : head + kSlots - tail;
   }
 
   // False, and nothing stored, when full. O(1).
   [[nodiscard]] bool push(const T& element) {
-    const size_t head = __atomic_load_n(&head_, __ATOMIC_RELAXED);
-    const size_t next = advanced(head);
-    if (next == __atomic_load_n(&tail_, __ATOMIC_ACQUIRE)) return false;
+    const uint32_t head = load(head_);
+    const uint32_t next = advanced(head);
+    if (next == load(tail_)) return false;
     slots_[head] = element;
-    __atomic_store_n(&head_, next, __ATOMIC_RELEASE);
+    store(head_, next);
     return true;
   }
 
   // False, and `element` untouched, when empty. O(1).
   [[nodiscard]] bool pop(T& element) {
-    const size_t tail = __atomic_load_n(&tail_, __ATOMIC_RELAXED);
-    if (tail == __atomic_load_n(&head_, __ATOMIC_ACQUIRE)) return false;
+    const uint32_t tail = load(tail_);
+    if (tail == load(head_)) return false;
     element = slots_[tail];
-    __atomic_store_n(&tail_, advanced(tail), __ATOMIC_RELEASE);
+    store(tail_, advanced(tail));
     return true;
   }
 
   // As pop, and the element stays. Reader's context, or the writer's while nobody reads.
   [[nodiscard]] bool peek(T& element) const {
     if (empty()) return false;
-    element = slots_[__atomic_load_n(&tail_, __ATOMIC_RELAXED)];
+    element = slots_[load(tail_)];
     return true;
   }
 
   // Forgets everything stored. Reader's context.
-  void clear() { __atomic_store_n(&tail_, __atomic_load_n(&head_, __ATOMIC_ACQUIRE), __ATOMIC_RELEASE); }
+  void clear() { store(tail_, load(head_)); }
 
  private:
-  static constexpr size_t kSlots = kCapacity + 1;  // one stays free, so that full and empty differ
-  static constexpr size_t advanced(size_t index) { return index + 1 == kSlots ? 0 : index + 1; }
+  static constexpr uint32_t kSlots = kCapacity + 1;  // one stays free, so that full and empty differ
+  static constexpr uint32_t advanced(uint32_t index) { return index + 1 == kSlots ? 0 : index + 1; }
 
   T slots_[kSlots] = {};
-  size_t head_ = 0;
-  size_t tail_ = 0;
+  uint32_t head_ = 0;
+  uint32_t tail_ = 0;
 };
 
 }  // namespace stillpoint

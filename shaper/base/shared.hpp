@@ -7,10 +7,16 @@
 
 namespace stillpoint {
 
-// After `load` has seen a value, it sees all that was written before the `store` of that value.
-[[gnu::always_inline]] inline uint32_t load(const uint32_t& word) { return __atomic_load_n(&word, __ATOMIC_ACQUIRE); }
+// After `load` has seen a value, it sees all that was written before the `store` of that value. One core sees its own
+// accesses in their order, so it is the compiler alone that must keep it: an instruction each, without a barrier.
+[[gnu::always_inline]] inline uint32_t load(const uint32_t& word) {
+  const uint32_t value = __atomic_load_n(&word, __ATOMIC_RELAXED);
+  __atomic_signal_fence(__ATOMIC_ACQUIRE);
+  return value;
+}
 [[gnu::always_inline]] inline void store(uint32_t& word, uint32_t value) {
-  __atomic_store_n(&word, value, __ATOMIC_RELEASE);
+  __atomic_signal_fence(__ATOMIC_RELEASE);
+  __atomic_store_n(&word, value, __ATOMIC_RELAXED);
 }
 
 // A value of any size that the tick writes and the background reads whole. Zero-initialised storage holds T{}.

@@ -10,11 +10,14 @@ void add_product(Wide& sum, const Wide& a, const Wide& b) { sum += a * b; }
 Wide times_fraction(const Wide& a, uint64_t fraction) {
   Wide product = multiply(a.high, fraction);
   if (is_negative(a)) product.high -= fraction;
-  return product + Wide{multiply(a.low, fraction).high, 0};
+  product += Wide{multiply(a.low, fraction).high, 0};
+  return product;
 }
 
 Wide fixed_product(const Wide& a, const Wide& b) {
-  return times_fraction(a, b.low) + a * Wide::from_int(static_cast<int64_t>(b.high));
+  Wide product = times_fraction(a, b.low);
+  product += a * Wide::from_int(static_cast<int64_t>(b.high));
+  return product;
 }
 
 Wide wide_from_double(double value, int fraction_bits) {

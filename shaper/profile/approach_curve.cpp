@@ -13,7 +13,9 @@ namespace {
 constexpr uint32_t kLevelBits = 20;
 constexpr int kRootBits = 31;  // of root()
 
-int64_t saturated(double value) { return value < 4.0e18 ? static_cast<int64_t>(value) : kMotionLimit - 1; }
+[[gnu::noinline]] int64_t saturated(double value) {
+  return value < 4.0e18 ? static_cast<int64_t>(value) : kMotionLimit - 1;
+}
 
 bool less(Wide a, Wide b) { return a.high != b.high ? a.high < b.high : a.low < b.low; }
 

@@ -154,7 +154,10 @@ Wide CurveWalk::position(const CurvePart& part) {
   constexpr int kLift = kLengthBits - kTableFractionBits;
   uint32_t k = part.table->degree();
   Wide sum = shifted_left(Wide::from_int(coefficients_[k]), kLift);
-  while (k-- > 0) sum = times_fraction(sum, place.fraction) + shifted_left(Wide::from_int(coefficients_[k]), kLift);
+  while (k-- > 0) {
+    sum = times_fraction(sum, place.fraction);
+    sum += shifted_left(Wide::from_int(coefficients_[k]), kLift);
+  }
   return part.base + fixed_product(part.length, sum);
 }
 

@@ -15,7 +15,9 @@ struct AxisLimits {
   double jerk;                     // unit/s^3
   double deceleration_jerk = 0.0;  // unit/s^3, while slowing down; 0: as `jerk`
 
-  constexpr double braking_jerk() const { return deceleration_jerk == 0.0 ? jerk : deceleration_jerk; }
+  [[gnu::noinline]] constexpr double braking_jerk() const {
+    return deceleration_jerk == 0.0 ? jerk : deceleration_jerk;
+  }
   constexpr double larger_jerk() const { return braking_jerk() > jerk ? braking_jerk() : jerk; }
 
   // Each must be finite and above zero (the deceleration's jerk: or zero); the refusal names the first that is not.

@@ -27,7 +27,7 @@ struct UnitLimits {
 struct Ramp {
   double jerk_ticks;
   double constant_ticks;
-  double ticks() const { return 2.0 * jerk_ticks + constant_ticks; }
+  [[gnu::noinline]] double ticks() const { return 2.0 * jerk_ticks + constant_ticks; }
 };
 
 [[gnu::noinline]] Ramp ramp_to(double velocity, const RampLimits& limits) {
@@ -87,7 +87,7 @@ struct Phases {
   Ramp ramp[kRamps];
   double cruise_ticks;
   double ramp_ticks() const { return ramp[kUp].ticks() + ramp[kDown].ticks(); }
-  double ticks() const { return ramp[kUp].ticks() + cruise_ticks + ramp[kDown].ticks(); }
+  [[gnu::noinline]] double ticks() const { return ramp[kUp].ticks() + cruise_ticks + ramp[kDown].ticks(); }
 };
 
 [[gnu::noinline]] Phases phases_at(double velocity, const UnitLimits& limits) {

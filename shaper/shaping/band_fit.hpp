@@ -109,7 +109,7 @@ class BandFit {
   }
 
   // The change that removes the misses in the sense of least squares, small where there is a choice.
-  bool step(double stiffness) {
+  [[gnu::noinline]] bool step(double stiffness) {
     double slope[BandTargets::kMaxPoints][kMaxFitParameters] = {};
     double before[BandTargets::kMaxPoints] = {};
     for (uint32_t j = 0; !shaper_.is_cascade && j < targets_.count; ++j) before[j] = log_residual_at(j);

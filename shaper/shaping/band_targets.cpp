@@ -52,8 +52,8 @@ void add_lobes(const Prototype& prototype, double damping_ratio, double from, do
 
 }  // namespace
 
-BandTargets band_targets(const Prototype& prototype, double damping_ratio, double tolerance, double cycles_a_tick,
-                         const Meanwhile& meanwhile) {
+[[gnu::noinline]] BandTargets band_targets(const Prototype& prototype, double damping_ratio, double tolerance,
+                                           double cycles_a_tick, const Meanwhile& meanwhile) {
   BandTargets targets{};
   targets.two_sided = cycles_a_tick <= kTwoSidedCyclesATick;
   targets.log_tolerance = math::log(tolerance);
