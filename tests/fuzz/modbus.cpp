@@ -7,10 +7,12 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include <algorithm>
 #include <array>
 #include <cstdlib>
 #include <cstring>
 #include <fstream>
+#include <iterator>
 #include <new>
 #include <string>
 #include <vector>
@@ -41,6 +43,11 @@ void write_seed(const std::string& folder, const std::string& name, const std::v
   for (const Entry& one : records) file.write(reinterpret_cast<const char*>(one.data()), kRecord);
 }
 
+uint8_t index_of(uint16_t address) {
+  const auto at = std::find(std::begin(kRegisters), std::end(kRegisters), address);
+  return static_cast<uint8_t>(at - std::begin(kRegisters));
+}
+
 void write_seeds(const std::string& folder) {
   const Entry enable = record(kEnable);
   const Entry wait = record(kLongStep, 60);
@@ -52,6 +59,26 @@ void write_seeds(const std::string& folder) {
   write_seed(folder, "homing", {record(kMode, 2), enable, record(kControl, 0x1F), wait});
   write_seed(folder, "stream", {record(kMode, 3), enable, record(kStreamPoints, 9, 20), record(kControl, 0x1F), wait});
   write_seed(folder, "tune", {enable, record(kTune, 1), wait, wait, wait, record(kTune, 3), wait});
+  const Entry limits = record(kSoftLimits, 0, 300, 3000);
+  write_seed(folder, "limits", {limits, enable, record(kMove, 1, 1400), wait, record(kMove, 1, 2000), wait});
+  write_seed(
+      folder, "limited_velocity",
+      {limits, record(kMode, 1), enable, record(kVelocity, 0, 900), wait, wait, record(kVelocity, 0, 500), wait});
+  write_seed(folder, "limited_stream",
+             {limits, record(kMode, 3), enable, record(kStreamPoints, 15, 2000), record(kControl, 0x1F), wait, wait});
+  write_seed(folder, "limited_tune", {limits, enable, record(kTune, 1), wait, wait, wait});
+  write_seed(folder, "limited_braking",
+             {limits, enable, record(kMove, 0, 1400), record(kStep, 25),
+              record(kWide, index_of(0x0064), 0x001E, 0x8480), record(kMove, 0x20, 500), wait});
+  const Entry rest = record(kLongStep, 255);
+  write_seed(folder, "velocity_left",
+             {record(kMode, 1), enable, record(kVelocity, 0, 900), wait, record(kControl, 0x0F, 0x0100), wait,
+              record(kMode, 0), record(kControl, 0x0F), rest, wait, wait, record(kMode, 1), wait});
+  write_seed(folder, "velocity_over",
+             {record(kMode, 1), enable, record(kVelocity, 0, 900), wait, record(kVelocity), rest, wait, wait, wait});
+  write_seed(folder, "tune_aborted",
+             {record(kSingle, index_of(0x0249), 4000), enable, record(kTune, 1), wait, record(kTune, 2), rest, wait,
+              wait, rest});
   write_seed(folder, "fault",
              {enable, record(kMove, 1, 900), record(kTrouble, 1), wait, record(kTrouble), wait, record(kControl, 0x80),
               record(kControl), enable, record(kMove, 1, 50), wait});

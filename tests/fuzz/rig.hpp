@@ -57,7 +57,7 @@ struct Servo final : hal::ServoPort {
 
   void disable() override { watch_.disabled(); }
   hal::ServoFeedback exchange(const hal::ServoCommand& command) override {
-    watch_.commanded(command, position + encoder_off);
+    watch_.commanded(command, position + encoder_off, commit);
     if (command.enabled && !blocked) position = command.setpoint;
     return {position + encoder_off, 0, ++sequence, valid, commit};
   }
