@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A whole drive under arbitrary bytes and ticks, for libFuzzer: the input is a programme (programme.hpp). What must hold
-// is in client_watch.hpp. (Crashes and undefined behaviour are the sanitizers' to find.)
+// A whole drive under arbitrary bytes and ticks, for libFuzzer: the input is a programme (programme.hpp). What must
+// hold is in client_watch.hpp. (Crashes and undefined behaviour are the sanitizers' to find.)
 //
 // `fuzz_modbus seeds DIR` writes the programmes to begin with. The drive is made anew for every input, in the same
 // static storage.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A programme of records of eight bytes: what the line carries, with a good CRC, a bad one or none, what goes wrong, and
-// for how long time goes on.
+// A programme of records of eight bytes: what the line carries, with a good CRC, a bad one or none, what goes wrong,
+// and for how long time goes on.
 #pragma once
 
 #include <stddef.h>
