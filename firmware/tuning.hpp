@@ -18,8 +18,8 @@ namespace stillpoint::firmware {
 // the axis stands, upwards unless only below there is room between the soft limits, with the profile of 0060-006A in
 // the least time, zero delay as 0137. What it will do can be read at once (0230 on); nothing moves before the time of
 // 0249 is over, and an abort in it leaves everything as it was. Where a stepped sine follows that was not asked for (by
-// 0), what it will do is announced anew and the time of 0249 runs again. A start by a stepped sine or a chirp runs them
-// through before it answers, which takes some tenths of a second for a low band.
+// 0), what it will do is announced anew and the time of 0249 runs again. A start by a stepped sine or a chirp plans
+// them before it answers: up to 7 million instructions, and 43 million for a chirp from 0.1 Hz.
 //
 // From then on until the end the tuner has the axis: set-points, applies and new axis limits are refused. Whatever
 // takes the axis out of operation enabled, or halts it, aborts the tuning. What is kept becomes the shaper set in

@@ -15,6 +15,8 @@ constexpr double kTurn = 0x1p64;
 constexpr double kMostTicks = 0x1p30;
 constexpr double kMostAmplitude = 0x1p28;         // counts: eight of it, a third difference, fit 64 bits
 constexpr double kLeastAmplitude = 1.0;           // counts; less shows nothing
+constexpr uint32_t kTwoPeriods = 3;               // Step::fade_shift, four times the periods of a block being 2^shift
+constexpr uint32_t kLongBlock = 128;              // ticks: a third difference has its peaks where a derivative has
 constexpr uint32_t kRest = 3;                     // ticks at 0 that keep the differences of neighbours apart
 constexpr double kRounding = 8.0 / 4294967296.0;  // counts: more than rounding adds to a third difference
 
@@ -114,7 +116,7 @@ bool Excitation::lay_out(const ExcitationConfig& config) {
     if (total > kMostTicks) return false;
     Step& step = step_[k];
     step.block = static_cast<uint32_t>(block);
-    step.fade_shift = periods > 2.0 ? 6 : periods < 2.0 ? 1 : 3;  // 4 * periods = 2^shift: a quarter turn a block
+    step.fade_shift = periods > 2.0 ? 6 : periods < 2.0 ? 1 : kTwoPeriods;  // a quarter turn a block
     step.increment = static_cast<uint64_t>(periods / block * kTurn);
     step.amplitude = kOne;
   }
@@ -126,25 +128,32 @@ bool Excitation::lay_out(const ExcitationConfig& config) {
   return true;
 }
 
-// Runs one step as the tick would and measures it. What a sine holds repeats itself: one block of it is enough.
-Excitation::Peaks Excitation::peaks_of_step(const Meanwhile& meanwhile) {
-  Peaks peaks = {};
+// To tick n of the step, as if it had been run so far.
+void Excitation::seek(uint32_t n) {
+  begin_step();
+  const Step& step = step_[at_];
+  const uint64_t held = n > step.block ? n - step.block : 0;
+  in_step_ = n;
+  phase_ = n * step.increment + held * (held + 1) / 2 * slope_;
+  increment_ += held * slope_;
+  fade_phase_ = n * (step.increment >> step.fade_shift);
+}
+
+// Ticks [from, to) of the step, run as the tick would.
+void Excitation::measure(uint32_t from, uint32_t to, const Meanwhile& meanwhile, Peaks& peaks) {
   Signal before[3] = {};
   const uint32_t step = at_;
-  const uint32_t block = step_[step].block;
-  while (!over() && at_ == step) {
-    if (kind_ == ExcitationKind::kSteppedSine && in_step_ == 2 * block) {
-      const uint32_t repeated = block * (held_blocks_ - 1);
-      in_step_ += repeated;
-      phase_ += increment_ * repeated;
-    }
+  seek(from == 0 ? 0 : from - 3);
+  meanwhile();
+  while (!over() && at_ == step && in_step_ < to) {
     if (in_step_ % 256 == 0) meanwhile();
+    const bool counts = in_step_ >= from;
     const Signal now = tick();
     const Signal first = now - before[0];
     const Signal second = first - (before[0] - before[1]);
     const Signal third = second - (before[0] - 2 * before[1] + before[2]);
     const Signal differences[] = {now, first, second, third};
-    for (size_t i = 0; i < 4; ++i) {
+    for (size_t i = 0; i < 4 && counts; ++i) {
       const Signal size = differences[i] < 0 ? -differences[i] : differences[i];
       if (size > peaks.difference[i]) peaks.difference[i] = size;
     }
@@ -152,7 +161,43 @@ Excitation::Peaks Excitation::peaks_of_step(const Meanwhile& meanwhile) {
     before[1] = before[0];
     before[0] = now;
   }
+}
+
+// What a step reaches. A sine fades out as it fades in, and what it holds repeats itself: two blocks are enough. With
+// two periods a block its peaks are where those of sin^4(pi t / 2) sin(4 pi t) are, t being 1 at the end of the fade:
+// the value's and the first derivative's in what is held; the second's at 0.89289, 1.0093 of that of what is held; the
+// third's at 1, 1.1875 of it. The second half of what is held lies between the samples as the first does, mirrored.
+Excitation::Peaks Excitation::peaks_of_step(const Meanwhile& meanwhile) {
+  Peaks peaks = {};
+  const Step& step = step_[at_];
+  const uint32_t block = step.block;
+  const bool is_long = step.fade_shift == kTwoPeriods && block >= kLongBlock;
+  const uint32_t end = step_ticks(at_);
+  if (!is_long) {
+    measure(0, kind_ == ExcitationKind::kSteppedSine ? 2 * block + 3 : end, meanwhile, peaks);
+    return peaks;
+  }
+  const bool rises = kind_ == ExcitationKind::kChirp;
+  const uint32_t last = block * held_blocks_;
+  if (rises) peaks = most_before(last);
+  for (uint32_t k = 0; k < (rises ? 2 : 6); ++k) {
+    const uint32_t at = k == 0 ? block * 25 / 28 : block * (7 + k) / 8;
+    measure(at - 3, at + 6, meanwhile, peaks);
+  }
+  if (rises) measure(last, end, meanwhile, peaks);
   return peaks;
+}
+
+// Above what a chirp reaches before this tick of what it holds, but where its frequency begins to rise. A difference of
+// z = e^(i phi) is z (1 - e^(-i w)), w being the difference of phi: at most g = 2 sin(w / 2). That of a product has one
+// of w in it besides, s: (g^2 + s) and (g^3 + 3 g s + 4 s^2), and s is below 1 / 16 of g.
+Excitation::Peaks Excitation::most_before(uint32_t tick) const {
+  const Step& step = step_[at_];
+  const int64_t g = 2 * sine((step.increment + (tick - step.block) * slope_) / 2);
+  const Signal bent = times(step.amplitude, times(static_cast<int64_t>(slope_), kSine[0]) + 1);
+  const Signal first = times(step.amplitude, g);
+  const Signal second = times(first, g);
+  return {{step.amplitude, first, second + bent, times(second, g) + times(bent, g) * 13 / 4}};
 }
 
 Status Excitation::prepare(const ExcitationConfig& config, Announcement& announcement, const Meanwhile& meanwhile) {
@@ -167,32 +212,30 @@ Status Excitation::prepare(const ExcitationConfig& config, Announcement& announc
   const double scale[] = {1.0, tick, tick * tick, tick * tick * tick};
   // A run at an amplitude that leaves the third difference room in 64 bits says what each count of it costs.
   constexpr double kTrial = 0x1p26;
+  double all[4] = {};
   next.start();
   for (uint32_t k = 0; k < next.steps_; ++k) {
+    next.at_ = k;
     next.step_[k].amplitude = static_cast<Signal>(kTrial * static_cast<double>(kSignalPerCount));
     const Peaks peaks = next.peaks_of_step(meanwhile);
-    double amplitude = kMostAmplitude;
+    double ratio = kMostAmplitude / kTrial;
+    double reached[4];
     for (size_t i = 0; i < 4; ++i) {
+      reached[i] = counts_of(peaks.difference[i]) + kRounding;
       const double room = limits[i] * scale[i] - kRounding;
-      const double allowed = room * kTrial / (counts_of(peaks.difference[i]) + kRounding);
-      if (!(allowed >= kLeastAmplitude * 0.999)) {
+      const double allowed = room / reached[i];
+      if (!(allowed >= kLeastAmplitude / kTrial * 0.999)) {
         return refuse(Error::kBelowMinimum, names[i], limits[i],
-                      limits[i] * kLeastAmplitude / math::greater(allowed, 1e-300));
+                      limits[i] * (kLeastAmplitude / kTrial) / math::greater(allowed, 1e-300));
       }
-      amplitude = math::lesser(amplitude, allowed);
+      ratio = math::lesser(ratio, allowed);
     }
-    next.step_[k].amplitude = static_cast<Signal>(amplitude * static_cast<double>(kSignalPerCount));
+    next.step_[k].amplitude = static_cast<Signal>(ratio * (kTrial * static_cast<double>(kSignalPerCount)));
+    for (size_t i = 0; i < 4; ++i) all[i] = math::greater(all[i], reached[i] * ratio + kRounding);
+    store(next.running_, 1);
   }
   next.start();
-  Peaks all = {};
-  for (uint32_t k = 0; k < next.steps_; ++k) {
-    const Peaks peaks = next.peaks_of_step(meanwhile);
-    for (size_t i = 0; i < 4; ++i)
-      if (peaks.difference[i] > all.difference[i]) all.difference[i] = peaks.difference[i];
-  }
-  double peak[4];
-  for (size_t i = 0; i < 4; ++i) peak[i] = counts_of(all.difference[i]) / scale[i];
-  announcement = {peak[0], peak[1], peak[2], peak[3], next.ticks_ * tick};
+  announcement = {all[0], all[1] / scale[1], all[2] / scale[2], all[3] / scale[3], next.ticks_ * tick};
   *this = next;
   return kOk;
 }

@@ -36,7 +36,8 @@ struct ExcitationConfig {
 
 constexpr uint32_t kMostExcitationSteps = 64;
 
-// What will happen, before it does. Peaks of what the tick will emit, sampled.
+// What will happen, before it does. Peaks of what the tick will emit, sampled: not exceeded, and reached but for 2^-26
+// counts in each difference of a tick. A chirp's travel is its amplitude, which its samples may miss by a 10^-4 of it.
 struct Announcement {
   double travel;        // counts, the furthest from where it begins, either way
   double velocity;      // counts/s
@@ -52,9 +53,9 @@ struct Announcement {
 class Excitation {
  public:
   // Refuses, by name, a config that does not validate; while running (kBusy); limits that leave less than a count; a
-  // band so low that it would last over 2^30 ticks. Cost: the generator twice over all ticks, of a stepped sine twice
-  // over three blocks of each step, for what is held repeats itself; and another Excitation of stack. `meanwhile` is
-  // called every 256 ticks.
+  // band so low that it would last over 2^30 ticks. Cost: the generator over all ticks of a bump; over two blocks of
+  // each step of a sine, or 72 ticks where a block is of two periods and 128 ticks or more; over two of such a chirp's
+  // twelve; and another Excitation of stack. `meanwhile` is called every 256 ticks.
   Status prepare(const ExcitationConfig& config, Announcement& announcement, const Meanwhile& meanwhile = {});
 
   // While the tick does not run it. From the beginning, again as often as wanted.
@@ -94,7 +95,10 @@ class Excitation {
   };
 
   bool lay_out(const ExcitationConfig& config);
+  void seek(uint32_t n);
+  void measure(uint32_t from, uint32_t to, const Meanwhile& meanwhile, Peaks& peaks);
   Peaks peaks_of_step(const Meanwhile& meanwhile);
+  Peaks most_before(uint32_t tick) const;
   void begin_step();
 
   Step step_[kMostExcitationSteps];

@@ -17,6 +17,7 @@ constexpr Mode kArm{11.0, 0.11};  // the paper's
 constexpr uint32_t kMostTickInstructions = 400;
 constexpr uint32_t kMostSineInstructions = 1600;
 constexpr uint32_t kMostChirpInstructions = 6000;
+constexpr uint32_t kMostStartInstructions = 50000000;  // 0.3 s
 constexpr uint32_t kMostStackBytes = 12 * 1024;
 constexpr uint32_t kLongestGap = 50000000;
 
@@ -142,6 +143,40 @@ TEST_F(Counting, the_ticks_of_a_sine_and_of_a_chirp_are_counted) {
       tuner.service({});
     }
     TEST_ASSERT_EQUAL_ENUM(TuneState::kFailed, tuner.report().state);
+  }
+}
+
+// The whole of a start, which the client waits for and in which the watchdog is not fed.
+TEST_F(Counting, starting_a_sine_and_a_chirp_is_counted_by_band) {
+  static AutoTune tuner;
+  constexpr AxisLimits kWide{1e7, 1e9, 1e9, 1e12};
+  TEST_ASSERT_OK(axis.configure({kTick, kWide, kWide.acceleration, kWide.jerk}));
+  axis.reset(0);
+  constexpr double kBands[][2] = {{0.1, 1.0}, {0.2, 20.0}, {1.0, 10.0}, {1.0, 200.0}, {8.0, 40.0}, {20.0, 400.0}};
+  print("\nthousand instructions of starting, by band\n    0.1 Hz    0.1 Hz        sine       chirp\n");
+  for (const auto& band : kBands) {
+    print_right(static_cast<uint32_t>(band[0] * 10.0), 10), print_right(static_cast<uint32_t>(band[1] * 10.0), 10);
+    constexpr TuneExcitation kKinds[] = {TuneExcitation::kSteppedSine, TuneExcitation::kChirp};
+    for (const TuneExcitation kind : kKinds) {
+      tuner.begin(axis, memory);
+      TuneConfig config{};
+      config.excitation = kind;
+      config.source = TuneSource::kAccelerometer;
+      config.move = Move{700000, ProfileKind::kSCurve, kWide, 0.0, false};
+      config.amplitude_counts = 20000.0;
+      config.travel_counts = 1e6;
+      config.low_hz = band[0];
+      config.high_hz = band[1];
+      config.tolerance = 0.02;
+      Count start;
+      Status status = kOk;
+      measure(start, [&] { status = tuner.start(config, nullptr); });
+      TEST_ASSERT_OK(status);
+      TEST_ASSERT_AT_MOST_INT64(kMostStartInstructions, start.most());
+      print_right(start.most() / 1000, 12);
+      tuner = {};
+    }
+    print("\n");
   }
 }
 

@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "hal/servo_port.hpp"
+#include "tests/fuzz/soft_limit_watch.hpp"
 #include "tests/support/reference_crc.hpp"
 
 namespace stillpoint::testing {
@@ -47,13 +48,13 @@ class ClientWatch {
     ++answer_bytes_;
   }
 
-  // One tick's command, and where the servo stands.
-  void commanded(const hal::ServoCommand& command, int64_t stands) {
+  // One tick's command, where the servo stands, and whether it lets anything begin.
+  void commanded(const hal::ServoCommand& command, int64_t stands, bool commits) {
     hear_broadcasts();
     ++tick_;
     if (command.enabled && !on_) switched_on(command.setpoint, stands);
     if (!command.enabled) switched_off();
-    if (command.enabled && on_) moved(command.setpoint);
+    if (command.enabled && on_) moved(command.setpoint, commits);
     on_ = command.enabled;
     setpoint_ = command.setpoint;
   }
@@ -67,7 +68,7 @@ class ClientWatch {
  private:
   static constexpr size_t kMostBytes = 4096;
   static constexpr double kLsb = 4294967296.0;
-  static constexpr uint32_t kStandsTicks = 4000;  // longer than any shaper that the line can hold
+  static constexpr uint32_t kStandsTicks = 2500;  // longer than any shaper that the line can hold
 
   void forget_bytes() {
     bytes_.clear();
@@ -132,13 +133,18 @@ class ClientWatch {
       if ((value & 0x07) == 0x06 || (value & 0x0F) == 0x07) ready_ = true;
       if ((value & 0x10) != 0) cause(kSetPoint);
     }
+    soft_.put(address, value, !to_all_);
     if ((address == 0x0052 || address == 0x0053) && value != 0) cause(kVelocity);
-    if (address == 0x0200 && value == 1) cause(kTune);
+    if (address == 0x0042) in_velocity_ = value == 3 || to_all_;
+    if (address == 0x0200 && (value == 1 || value == 3)) cause(kTune);
+    if (address == 0x0200) tunes_ = value != 2;
     if (address >= 0x0090 && address < 0x00D0) streamed_ = true;
     if (address == 0x006A && value != 3) jerk_limited_ = false;
   }
 
   void put_wide(uint32_t address, uint32_t value) {
+    soft_.put_wide(address, value);
+    if (address == 0x0052 && !to_all_) wants_velocity_ = value != 0;
     if (address == 0x0058) velocity_ = std::max(velocity_, double{1.0} * value);
     if (address == 0x005A) acceleration_ = std::max(acceleration_, double{1.0} * value);
     if (address == 0x005C) jerk_ = std::max(jerk_, 1000.0 * value);
@@ -152,7 +158,13 @@ class ClientWatch {
       ready_ = true;
       if ((with & ~keep & 0x10) != 0) cause(kSetPoint);
     }
-    if (address == 0x0200 && (with & ~keep) == 1) cause(kTune);
+    soft_.put(address, with, false);
+    if (address == 0x0042) in_velocity_ = true;
+    const uint32_t command = with & ~keep;
+    if (address == 0x0200 && (command == 1 || command == 3)) {
+      cause(kTune);
+      tunes_ = true;
+    }
     if (address == 0x006A) jerk_limited_ = false;
   }
 
@@ -178,7 +190,7 @@ class ClientWatch {
     stood_ = 0;
   }
 
-  void moved(int64_t setpoint) {
+  void moved(int64_t setpoint, bool commits) {
     const int64_t step = setpoint - setpoint_;
     const int64_t change = step - step_;
     const double jerk = static_cast<double>(change) - static_cast<double>(change_);
@@ -192,11 +204,22 @@ class ClientWatch {
     if (jerk_limited_ && over(jerk, jerk_ * kTick * kTick * kTick * kLsb, 2.0 * kRoundings)) {
       fail("a steeper jerk than the registers permit");
     }
+    if (soft_.left(setpoint_, setpoint)) fail("the setpoint leaves the soft limits");
     step_ = step;
     change_ = change;
-    // A set-point excuses one motion. A velocity, a tuning and a stream that is fed go on when they will.
-    stood_ = step != 0 ? 0 : stood_ + 1;
-    if (stood_ > kStandsTicks && causes_ == kSetPoint && !streamed_) causes_ = 0;
+    drop_causes(step != 0, commits);
+  }
+
+  // Once it has stood for longer than anything asked for can still be on its way: a set-point excuses one motion; a
+  // velocity the one until it is 0, or another mode is chosen; a tuning all of its own until it is aborted. A tuning
+  // that ends by itself, and a stream that is fed, go on when they will.
+  void drop_causes(bool moves, bool commits) {
+    if (moves) stood_ = 0;
+    if (!moves && commits) ++stood_;
+    if (stood_ <= kStandsTicks) return;
+    if (!in_velocity_ || !wants_velocity_) causes_ &= ~uint32_t{kVelocity};
+    if (!tunes_) causes_ &= ~uint32_t{kTune};
+    if (causes_ == kSetPoint && !streamed_) causes_ = 0;
   }
 
   static bool over(double value, double limit, double slack) { return (value < 0 ? -value : value) > limit + slack; }
@@ -222,6 +245,11 @@ class ClientWatch {
   bool ready_ = false;     // one has led to ready to switch on, or to switched on, since the output stage came on
   uint32_t causes_ = 0;
   bool streamed_ = false;
+  bool in_velocity_ = false;     // the mode asked for is that, or may be
+  bool wants_velocity_ = false;  // the last one asked for is not 0
+  bool tunes_ = false;           // not aborted since it was started
+
+  SoftLimitWatch soft_;
 
   // The most that has been permitted, as delivered at first (10 unit/s, 1000 unit/s^2, 1e6 unit/s^3).
   double velocity_ = 1e7;
