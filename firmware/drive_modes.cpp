@@ -84,8 +84,8 @@ void Drive::begin_stream() {
 
 void Drive::follow_stream() {
   if (!stream_->running()) return;
-  // A fault where it stood has ended it already.
-  if (axis_->stream_state().faulted) loop_->request_fault(FaultCode::kStreamLimit);
+  // A fault where it stood has ended it already. Asked for once: a reset must not find it waiting.
+  if (axis_->stream_state().faulted && seen_.fault == FaultCode::kNone) loop_->request_fault(FaultCode::kStreamLimit);
   if (mode_ != OperationMode::kStream || standing_) return stream_->stop();
   if ((controlword_ & kControlNewSetPoint) == 0 && !given_up_) slow_down();
 }
