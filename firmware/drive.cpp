@@ -85,12 +85,15 @@ void Drive::obey() {
   if (obey_enable(wanted)) return;
   if (goes_on()) return enter(DriveState::kOperationEnabled);
   if (wanted == state_) {
+    if (slowing_) forget_commands();
     slowing_ = false;
     if (state_ == DriveState::kOperationEnabled) obey_halt();
     return;
   }
   if (state_ == DriveState::kOperationEnabled && wanted == DriveState::kSwitchedOn && !standing_) {
-    if (!slowing_) slow_down();
+    if (slowing_) return;  // nothing else can have begun since
+    slow_down();
+    forget_commands();
     slowing_ = true;
     return;
   }
@@ -131,7 +134,10 @@ bool Drive::obey_enable(DriveState wanted) {
 void Drive::obey_halt() {
   if (!halt_asked()) {
     halting_ = false;
-  } else if (!halting_ && !standing_) {
+    return;
+  }
+  buffered_ = false;
+  if (!halting_ && !standing_) {
     halting_ = true;
     slow_down();
     velocity_ = 0;
@@ -153,14 +159,11 @@ void Drive::enter(DriveState state) {
   enabling_ = false;
   slowing_ = false;
   halting_ = false;
-  forget_set_points();
+  forget_commands();
   homing_ = false;
   if (state == DriveState::kOperationEnabled) {
     moving_ = false;
     given_up_ = false;
-    velocity_ = 0;
-    velocity_waits_ = false;
-    parameters_->set(Register::kTargetVelocity, 0);
   }
 }
 
@@ -173,7 +176,7 @@ uint16_t Drive::reason_not_free() const {
 
 bool Drive::may_move() const {
   return state_ == DriveState::kOperationEnabled && command_of(controlword_) == DriveCommand::kEnableOperation &&
-         !halt_asked();
+         !halt_asked() && !slowing_;
 }
 
 uint16_t Drive::statusword() const {

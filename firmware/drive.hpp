@@ -20,7 +20,8 @@ namespace stillpoint::firmware {
 //   - Halt (bit 8) ramps by the profile's limits, before the shaper, and so ends still; the move is given up and not
 //     resumed, set-points are refused while the bit is set.
 //   - Disable operation (5) ramps like that and then switches off; shutdown (8) and disable voltage (9) switch off at
-//     once, whatever moves.
+//     once, whatever moves. What is asked for while it ramps is lost; enable operation then calls off the switching
+//     off, not the ramp.
 //   - Quick stop is what 0078 says; by delivery option 2, a ramp at the quick-stop limits, then switch-on disabled.
 //     From one that stays (5, 6) enable operation goes on once it stands.
 //   - A fault reaction is what 0079 says. The profile's ramp (1) is begun here and so waits for a plan under way; where
@@ -32,7 +33,7 @@ namespace stillpoint::firmware {
 //     operation enabled drop the kept one.
 //   - Another mode (0042) is in force, and shown (0043), once the axis stands.
 //   - Profile velocity: what is written to 0052 while enabled is followed at once, with the profile's limits. Enabling,
-//     and entering the mode, set 0052 to 0, so that neither ever starts a motion. A halt slows to 0 and goes on after.
+//     entering the mode and every stop but a halt set 0052 to 0, so that none ever starts a motion. A halt slows to 0 and goes on after.
 //   - Homing (bit 4 rising, at rest): the place where the axis stands becomes position 0 (methods 35 and 37), in one
 //     tick, without motion. Bit 12 stays until the next homing or mode.
 //   - Stream: bit 4 rising, at rest, begins with what has been written to 0090, whose first position is where the axis
@@ -76,7 +77,7 @@ class Drive {
   void follow_mode();
   void take_target();
   bool start(const Move& move);
-  void forget_set_points();
+  void forget_commands();
   void take_velocity();
   void home();
   void begin_stream();

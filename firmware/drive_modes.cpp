@@ -21,23 +21,23 @@ void Drive::follow_mode() {
 
 // Nothing of an earlier mode, or of an earlier time in this one, goes on.
 void Drive::start_mode() {
-  forget_set_points();
+  forget_commands();
   homing_ = false;
   homed_ = false;
   homing_failed_ = false;
+}
+
+void Drive::forget_commands() {
+  set_point_waits_ = false;
+  set_point_taken_ = false;
+  buffered_ = false;
   velocity_ = 0;
   velocity_waits_ = false;
   parameters_->set(Register::kTargetVelocity, 0);
 }
 
-void Drive::forget_set_points() {
-  set_point_waits_ = false;
-  set_point_taken_ = false;
-  buffered_ = false;
-}
-
 void Drive::take_set_point(bool shaper_waiting) {
-  if (state_ != DriveState::kOperationEnabled || tuning_ || (shaper_waiting && !moving_)) return;
+  if (state_ != DriveState::kOperationEnabled || slowing_ || tuning_ || (shaper_waiting && !moving_)) return;
   if (mode_ == OperationMode::kProfileVelocity) return take_velocity();
   if (buffered_ && standing_) {
     buffered_ = false;

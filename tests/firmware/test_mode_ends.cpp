@@ -30,4 +30,111 @@ TEST_F(Streamed, a_fault_of_the_stream_is_over_once_it_is_reset) {
   }
 }
 
+// The ramp of disable operation (7) takes 4 s here.
+TEST_F(Velocity, a_velocity_written_while_disabling_is_not_run) {
+  for (const bool on_again : std::initializer_list<bool>{false, true}) {
+    TEST_INFO("enabled again on the way", on_again);
+    Velocity rig;
+    TEST_ASSERT_EQUAL_UINT32(0, rig.write_wide(0x0064, 100000));
+    rig.velocity(400000);
+    rig.step(200);
+    rig.control(0x07);
+    rig.velocity(500000);
+    rig.step(100);
+    double before = rig.speed();
+    TEST_ASSERT_AT_MOST_DOUBLE(400000.0, before);
+    if (on_again) rig.control(0x0F);
+    for (int i = 0; i < 50; ++i) {
+      rig.step(100);
+      TEST_ASSERT_AT_MOST_DOUBLE(before, rig.speed());
+      before = rig.speed();
+    }
+    TEST_ASSERT_DOUBLE_WITHIN(0.0, 0.0, before);
+    TEST_ASSERT_TRUE(rig.servo.enabled() == on_again);
+    TEST_ASSERT_EQUAL_UINT32(on_again ? 0x0027 : 0x0023, rig.state());
+    rig.control(0x0F);
+    TEST_ASSERT_EQUAL_UINT32(0x0027, rig.state());
+    TEST_ASSERT_EQUAL_INT32(0, rig.get_wide(0x0052));
+    rig.step(200);
+    TEST_ASSERT_DOUBLE_WITHIN(0.0, 0.0, rig.speed());
+    rig.velocity(300000);
+    rig.step(200);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-3, 300000.0, rig.speed());
+  }
+}
+
+TEST_F(Enabled402, a_set_point_given_while_disabling_is_lost) {
+  TEST_ASSERT_EQUAL_UINT32(0, write_wide(0x0064, 1000000));
+  start_move(1700000);
+  control(0x0F);
+  step(500);
+  control(0x07);
+  TEST_ASSERT_EQUAL_UINT32(0, write_wide(0x0044, -500000));
+  control(0x37);
+  TEST_ASSERT_EQUAL_UINT32(0, status() & kTaken);
+  int64_t highest = servo.setpoint();
+  for (int i = 0; i < 1600; ++i) {
+    step();
+    TEST_ASSERT_AT_LEAST_INT64(highest, servo.setpoint());
+    highest = servo.setpoint();
+  }
+  TEST_ASSERT_EQUAL_UINT32(0x0023, state());
+  control(0x3F);  // the bit was up before
+  step(500);
+  TEST_ASSERT_EQUAL_UINT32(0x0027, state());
+  TEST_ASSERT_EQUAL_INT64(highest, servo.setpoint());
+}
+
+TEST_F(Enabled402, enable_operation_on_the_way_keeps_the_drive_on_and_takes_no_set_point) {
+  TEST_ASSERT_EQUAL_UINT32(0, write_wide(0x0064, 1000000));
+  start_move(1700000);
+  control(0x0F);
+  step(500);
+  control(0x07);
+  control(0x17);
+  control(0x0F);
+  control(0x07);
+  control(0x1F);
+  step(2000);
+  TEST_ASSERT_EQUAL_UINT32(0x0027, status() & (0x006F | kTaken | kTargetReached));
+  const int64_t stood = servo.setpoint();
+  TEST_ASSERT_TRUE(stood < 1700000 * kCount);
+  control(0x0F);
+  control(0x1F);
+  step(2500);
+  TEST_ASSERT_EQUAL_INT64(1700000 * kCount, servo.setpoint());
+}
+
+// Also where it comes just before the tick that would begin it; one poll a tick, so that nothing mends that before.
+TEST_F(Enabled402, a_halt_drops_the_set_point_that_is_kept) {
+  uint32_t at_rest = 0;
+  for (uint32_t wait = 0; wait < 12; ++wait) {
+    TEST_INFO("ticks before the halt", wait);
+    Enabled402 rig;
+    const auto tick = [&] {
+      rig.drive.tick();
+      rig.drive.own_timer_tick();
+      rig.drive.poll();
+    };
+    rig.start_move(10000);
+    rig.control(0x0F);
+    rig.start_move(200000);
+    for (uint32_t i = 0; i < wait; ++i) tick();
+    rig.send(framed({1, 6, 0, 0x40, 1, 0x0F}));
+    while (rig.drive.drive().may_move()) tick();
+    const bool stood = rig.servo.setpoint() == 10000 * kCount;
+    at_rest += stood ? 1U : 0U;
+    for (int i = 0; i < 300; ++i) {
+      tick();
+      if (stood) TEST_ASSERT_EQUAL_INT64(10000 * kCount, rig.servo.setpoint());
+    }
+    rig.answer();
+    const int64_t stands = rig.servo.setpoint();
+    rig.control(0x0F);
+    rig.step(300);
+    TEST_ASSERT_EQUAL_INT64(stands, rig.servo.setpoint());
+  }
+  TEST_ASSERT_AT_LEAST_INT64(1, at_rest);
+}
+
 }  // namespace
