@@ -160,7 +160,7 @@ void Drive::enter(DriveState state) {
   slowing_ = false;
   halting_ = false;
   forget_commands();
-  homing_ = false;
+  end_homing();
   if (state == DriveState::kOperationEnabled) {
     moving_ = false;
     given_up_ = false;

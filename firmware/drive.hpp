@@ -80,6 +80,7 @@ class Drive {
   void forget_commands();
   void take_velocity();
   void home();
+  void end_homing();
   void begin_stream();
   void follow_stream();
   void start_mode();

@@ -19,10 +19,17 @@ void Drive::follow_mode() {
   start_mode();
 }
 
+// Taken back, unless a tick has done it already.
+void Drive::end_homing() {
+  if (!homing_) return;
+  loop_->take_home_back();
+  homing_ = false;
+  homed_ = loop_->snapshot().homings != homings_;
+}
+
 // Nothing of an earlier mode, or of an earlier time in this one, goes on.
 void Drive::start_mode() {
   forget_commands();
-  homing_ = false;
   homed_ = false;
   homing_failed_ = false;
 }

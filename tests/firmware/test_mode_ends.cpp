@@ -137,4 +137,57 @@ TEST_F(Enabled402, a_halt_drops_the_set_point_that_is_kept) {
   TEST_ASSERT_AT_LEAST_INT64(1, at_rest);
 }
 
+// Begun within the last 100 ms of a link that then dies: the fault comes first.
+TEST_F(Homing, what_a_fault_came_before_is_not_done_after_it) {
+  for (const uint32_t mode : std::initializer_list<uint32_t>{1, 6, 8}) {
+    TEST_INFO("mode", mode);
+    InMode rig(1);
+    rig.start_move(100000);
+    rig.control(0x0F);
+    rig.step(1500);
+    TEST_ASSERT_EQUAL_UINT32(0, rig.write_single(0x0042, mode));
+    TEST_ASSERT_EQUAL_UINT32(0, rig.write_wide(0x0044, 50000));
+    if (mode == 8) TEST_ASSERT_EQUAL_UINT32(0, rig.write(0x0090, {1, 0x86A0, 1, 0x86A8, 1, 0x86B0, 1, 0x86B0}));
+    rig.send(framed({1, 6, 0, 0x40, 0, 0x1F}));
+    rig.step_silent(20);
+    rig.answer();
+    TEST_ASSERT_EQUAL_UINT32(0x0027, rig.drive.drive().statusword() & 0x006F);
+    rig.step_silent(1100);
+    rig.control(0x80);
+    TEST_ASSERT_EQUAL_UINT32(0x0040, rig.status() & 0x004F);
+    TEST_ASSERT_EQUAL_UINT32(0, rig.write_single(0x0042, 1));
+    rig.enable();
+    rig.step(500);
+    TEST_ASSERT_EQUAL_INT32(100000, rig.get_wide(0x0046));
+    TEST_ASSERT_EQUAL_INT64(100000 * kCount, rig.servo.setpoint());
+    TEST_ASSERT_EQUAL_UINT32(1, rig.get(0x0043));
+  }
+}
+
+// The same with a stop instead of the fault, and the link back in time.
+TEST_F(Homing, what_a_stop_came_before_is_not_done_after_it) {
+  for (const uint8_t word : Bytes{0x00, 0x02, 0x06, 0x07}) {
+    TEST_INFO("controlword", word);
+    Homing rig;
+    rig.unlock();
+    TEST_ASSERT_EQUAL_UINT32(0, rig.write_single(0x0078, 6));
+    rig.control(0x00);
+    rig.servo.position = 700 * kCount;
+    rig.step(5);
+    rig.enable();
+    for (const uint8_t next : Bytes{0x1F, word}) {
+      rig.send(framed({1, 6, 0, 0x40, 0, next}));
+      rig.step_silent(20);
+      rig.answer();
+    }
+    rig.step(50);
+    TEST_ASSERT_EQUAL_INT32(700, rig.get_wide(0x0046));
+    TEST_ASSERT_EQUAL_UINT32(0, rig.status() & kBit12);
+    rig.control(0x00);
+    rig.enable();
+    rig.step(50);
+    TEST_ASSERT_EQUAL_INT32(700, rig.get_wide(0x0046));
+  }
+}
+
 }  // namespace
