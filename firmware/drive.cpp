@@ -162,6 +162,7 @@ void Drive::enter(DriveState state) {
   forget_commands();
   end_homing();
   if (state == DriveState::kOperationEnabled) {
+    stream_->stop();
     moving_ = false;
     given_up_ = false;
   }

@@ -37,7 +37,8 @@ namespace stillpoint::firmware {
 //   - Homing (bit 4 rising, at rest): the place where the axis stands becomes position 0 (methods 35 and 37), in one
 //     tick, without motion. Bit 12 stays until the next homing or mode.
 //   - Stream: bit 4 rising, at rest, begins with what has been written to 0090, whose first position is where the axis
-//     stands; its falling ends it by the profile's ramp and drops what waits. Bit 12: it is followed exactly.
+//     stands; its falling ends it by the profile's ramp and drops what waits. So do enabling and any change of mode,
+//     also where no stream runs: positions count from when the mode is shown. Bit 12: it is followed exactly.
 class Drive {
  public:
   void begin(AxisCore& axis, ControlLoop& loop, Parameters& parameters, PositionStream& stream);

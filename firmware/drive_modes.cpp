@@ -30,6 +30,7 @@ void Drive::end_homing() {
 // Nothing of an earlier mode, or of an earlier time in this one, goes on.
 void Drive::start_mode() {
   forget_commands();
+  stream_->stop();
   homed_ = false;
   homing_failed_ = false;
 }

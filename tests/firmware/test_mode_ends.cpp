@@ -190,4 +190,41 @@ TEST_F(Homing, what_a_stop_came_before_is_not_done_after_it) {
   }
 }
 
+TEST_F(Streamed, what_waits_is_dropped_by_another_mode_and_by_enabling) {
+  for (const bool enabling : std::initializer_list<bool>{false, true}) {
+    TEST_INFO("enabling", enabling);
+    Streamed rig;
+    TEST_ASSERT_EQUAL_UINT32(0, rig.send_positions(rig.swings(0, 31)));
+    if (enabling) {
+      rig.control(0x00);
+      TEST_ASSERT_EQUAL_UINT32(31, rig.get(0x008A));
+      rig.enable();
+    } else {
+      TEST_ASSERT_EQUAL_UINT32(0, rig.write_single(0x0042, 1));
+      rig.step(5);
+      TEST_ASSERT_EQUAL_UINT32(0, rig.write_single(0x0042, 8));
+    }
+    TEST_ASSERT_EQUAL_UINT32(0, rig.get(0x008A));
+    TEST_ASSERT_EQUAL_UINT32(128, rig.get(0x008B));
+    rig.control(0x1F);
+    rig.step(500);
+    TEST_ASSERT_EQUAL_UINT32(0x8601, rig.get(0x0012));
+    TEST_ASSERT_EQUAL_INT64(0, rig.servo.setpoint());
+    rig.control(0x0F);
+    TEST_ASSERT_EQUAL_UINT32(0, rig.send_positions({0, 0, 5, 5}));
+    rig.control(0x1F);
+    rig.step(100);
+    TEST_ASSERT_EQUAL_INT64(5 * kCount, rig.servo.setpoint());
+  }
+}
+
+TEST_F(Streamed, written_in_another_mode_they_are_not_of_this_one) {
+  TEST_ASSERT_EQUAL_UINT32(0, write_single(0x0042, 1));
+  step(5);
+  TEST_ASSERT_EQUAL_UINT32(0, send_positions({0, 0, 500}));
+  TEST_ASSERT_EQUAL_UINT32(0, write_single(0x0042, 8));
+  step(5);
+  TEST_ASSERT_EQUAL_UINT32(0, get(0x008A));
+}
+
 }  // namespace
