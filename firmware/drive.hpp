@@ -23,7 +23,7 @@ namespace stillpoint::firmware {
 //     once, whatever moves. What is asked for while it ramps is lost; enable operation then calls off the switching
 //     off, not the ramp.
 //   - Quick stop is what 0078 says; by delivery option 2, a ramp at the quick-stop limits, then switch-on disabled.
-//     From one that stays (5, 6) enable operation goes on once it stands.
+//     From one that stays (5, 6) enable operation goes on once it stands; target reached (bit 10) says that it does.
 //   - A fault reaction is what 0079 says. The profile's ramp (1) is begun here and so waits for a plan under way; where
 //     that takes more than kRampPatienceTicks the loop stops by itself.
 //   - A set-point while the axis moves takes over in flight if it is to (bit 5, at once), with the profile's limits as

@@ -147,12 +147,14 @@ bool Drive::start(const Move& move) {
   return true;
 }
 
+// Halted, or in a quick stop that stays: that it stands.
 bool Drive::target_reached() const {
+  const bool stays = state_ == DriveState::kQuickStopActive && stays_;
+  if (state_ != DriveState::kOperationEnabled && !stays) return false;
   if (mode_ == OperationMode::kProfileVelocity && velocity_ != 0 && !halting_) {
-    return state_ == DriveState::kOperationEnabled && !axis_->pending() && seen_.axis.track_ticks >= velocity_ticks_ &&
-           !velocity_waits_;
+    return !axis_->pending() && seen_.axis.track_ticks >= velocity_ticks_ && !velocity_waits_;
   }
-  if (state_ != DriveState::kOperationEnabled || moving_ || buffered_ || (given_up_ && !halt_asked())) return false;
+  if (moving_ || buffered_ || (given_up_ && !stays && !halt_asked())) return false;
   const uint64_t settled_us = uint64_t{seen_.settled_ticks} * tick_us_;
   return seen_.settled_ticks != 0 && settled_us >= uint64_t{parameters_->get(Register::kPositionTimeMs)} * 1000U;
 }
@@ -164,7 +166,9 @@ uint32_t Drive::mode_bits() const {
     case OperationMode::kStream:
       return seen_.axis.phase == AxisPhase::kStreaming && !axis_->stream_state().limiting ? kStatusSetPointTaken : 0U;
     case OperationMode::kHoming: return (homed_ ? kStatusHomed : 0U) | (homing_failed_ ? kStatusHomingError : 0U);
-    default: return set_point_taken_ || buffered_ ? kStatusSetPointTaken : 0U;
+    default:
+      return (set_point_taken_ || buffered_ ? kStatusSetPointTaken : 0U) |
+             (seen_.fault == FaultCode::kFollowingError ? kStatusFollowingError : 0U);
   }
 }
 
