@@ -39,7 +39,9 @@ void Drive::write_controlword(uint16_t controlword) {
 void Drive::service() {
   // In this order: a tick between the two can then only show a move later than it began, never an end too early.
   const bool pending = axis_->pending();
+  const AxisState before = seen_.axis;
   seen_ = loop_->snapshot();
+  see_velocity(before);
   standing_ = !pending && seen_.axis.phase == AxisPhase::kAtRest;
   if (standing_) moving_ = false;
   follow_mode();

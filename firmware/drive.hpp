@@ -34,6 +34,8 @@ namespace stillpoint::firmware {
 //   - Another mode (0042) is in force, and shown (0043), once the axis stands.
 //   - Profile velocity: what is written to 0052 while enabled is followed at once, with the profile's limits. Enabling,
 //     entering the mode and every stop but a halt set 0052 to 0, so that none ever starts a motion. A halt slows to 0 and goes on after.
+//     Target reached (bit 10): the setpoint has the velocity of 0052, not one before it that goes on because that was
+//     refused. Internal limit (bit 11): a soft limit holds it.
 //   - Homing (bit 4 rising, at rest): the place where the axis stands becomes position 0 (methods 35 and 37), in one
 //     tick, without motion. Bit 12 stays until the next homing or mode.
 //   - Stream: bit 4 rising, at rest, begins with what has been written to 0090, whose first position is where the axis
@@ -80,6 +82,7 @@ class Drive {
   bool start(const Move& move);
   void forget_commands();
   void take_velocity();
+  void see_velocity(const AxisState& before);
   void home();
   void end_homing();
   void begin_stream();
@@ -96,6 +99,7 @@ class Drive {
   void slow_down();
   void enter(DriveState state);
   bool target_reached() const;
+  bool follows_velocity() const;
   bool velocity_is_asked() const { return velocity_waits_ && mode_ == OperationMode::kProfileVelocity; }
   uint32_t mode_bits() const;
   bool halt_asked() const { return (controlword_ & kControlHalt) != 0; }
@@ -126,7 +130,8 @@ class Drive {
   bool given_up_ = false;        // the last move was stopped on its way
   int32_t velocity_ = 0;         // asked of the axis, in profile velocity
   bool velocity_waits_ = false;  // written, and neither taken nor refused yet
-  uint32_t velocity_ticks_ = 0;  // of the motion in force, until the setpoint has that velocity
+  Signal velocity_change_ = 0;   // a tick, at that velocity
+  bool at_velocity_ = false;     // the setpoint, between the newest two ticks that `service` saw
   uint32_t homings_ = 0;         // the loop's, when homing was asked for
   bool homing_ = false;
   bool homed_ = false;

@@ -105,13 +105,27 @@ void Drive::take_velocity() {
   const Status status = axis_->jog(wanted, profile_limits(*parameters_), &report);
   if (status.error == Error::kBusy) return;  // what was asked for before has not begun; asked again
   velocity_waits_ = false;
+  // On a soft limit, and bound beyond it: that holds it.
+  if (status.ok() || (standing_ && status.quantity == Quantity::kPosition)) {
+    velocity_ = wanted;
+    velocity_change_ = static_cast<Signal>(wanted * axis_->config().tick_s * static_cast<double>(kSignalPerCount));
+    at_velocity_ = false;
+  }
   if (!status.ok()) return note_velocity_refusal(status, *parameters_);
   note_move_report(report, *parameters_);
-  velocity_ = wanted;
-  velocity_ticks_ = report.total_ticks;
   moving_ = true;
   given_up_ = false;
   if (loop_->snapshot().fault != FaultCode::kNone) axis_->request_stop();
+}
+
+void Drive::see_velocity(const AxisState& before) {
+  constexpr uint32_t kRounding = 1U << 8;  // a tick: 6e-8 counts
+  const uint32_t ticks = seen_.axis.tick - before.tick;
+  if (ticks == 0) return;
+  const Signal change = wrapping_difference(seen_.axis.setpoint, before.setpoint);
+  const uint64_t off = static_cast<uint64_t>(change) - static_cast<uint64_t>(velocity_change_) * ticks;
+  const uint64_t most = uint64_t{kRounding} * ticks;
+  at_velocity_ = off + most <= 2 * most;
 }
 
 void Drive::take_target() {
@@ -147,12 +161,18 @@ bool Drive::start(const Move& move) {
   return true;
 }
 
+// Operation enabled, in profile velocity, and not halted.
+bool Drive::follows_velocity() const {
+  return state_ == DriveState::kOperationEnabled && mode_ == OperationMode::kProfileVelocity && !halt_asked();
+}
+
 // Halted, or in a quick stop that stays: that it stands.
 bool Drive::target_reached() const {
   const bool stays = state_ == DriveState::kQuickStopActive && stays_;
   if (state_ != DriveState::kOperationEnabled && !stays) return false;
-  if (mode_ == OperationMode::kProfileVelocity && velocity_ != 0 && !halting_) {
-    return !axis_->pending() && seen_.axis.track_ticks >= velocity_ticks_ && !velocity_waits_;
+  if (follows_velocity()) {
+    if (velocity_waits_ || velocity_ != parameters_->get_signed(Register::kTargetVelocity)) return false;
+    if (velocity_ != 0) return at_velocity_;
   }
   if (moving_ || buffered_ || (given_up_ && !stays && !halt_asked())) return false;
   const uint64_t settled_us = uint64_t{seen_.settled_ticks} * tick_us_;
@@ -162,7 +182,9 @@ bool Drive::target_reached() const {
 uint32_t Drive::mode_bits() const {
   switch (mode_) {
     case OperationMode::kProfileVelocity:
-      return state_ == DriveState::kOperationEnabled && standing_ ? kStatusVelocityZero : 0U;
+      if (state_ != DriveState::kOperationEnabled || !standing_) return 0;
+      return kStatusVelocityZero |
+             (follows_velocity() && velocity_ != 0 && !velocity_waits_ && !moving_ ? kStatusInternalLimit : 0U);
     case OperationMode::kStream:
       return seen_.axis.phase == AxisPhase::kStreaming && !axis_->stream_state().limiting ? kStatusSetPointTaken : 0U;
     case OperationMode::kHoming: return (homed_ ? kStatusHomed : 0U) | (homing_failed_ ? kStatusHomingError : 0U);
