@@ -25,7 +25,7 @@ void Drive::write_controlword(uint16_t controlword) {
   if ((rising & kControlFaultReset) != 0 && state_ == DriveState::kFault) loop_->request_fault_clear();
   // Only in operation enabled: an edge before is lost, so that enabling never starts a move.
   if ((rising & kControlNewSetPoint) != 0 && state_ == DriveState::kOperationEnabled) {
-    set_point_waits_ = !tuning_;
+    set_point_waits_ = !tuning_ && mode_ != OperationMode::kProfileVelocity;
     parameters_->note_refusal(tuning_ ? kReasonTuning : 0, tuning_ ? address_of(Register::kControlword) : 0);
   }
   service();

@@ -30,12 +30,13 @@ namespace stillpoint::firmware {
 //     they are then; else it is kept, with its limits, until the axis stands, and bit 12 stays up until then. Behind
 //     one that is kept others are refused, but for one at once, which replaces both. A relative one counts from the
 //     target in force. One that comes while a shaper is on its way waits for it. A halt, a stop and whatever ends
-//     operation enabled drop the kept one.
+//     operation enabled drop the kept one; so do another mode and, in its turn, a refusal, which are in 0012. Bit 12
+//     is then down, and bit 10 says what it said before.
 //   - Another mode (0042) is in force, and shown (0043), once the axis stands.
 //   - Profile velocity: what is written to 0052 while enabled is followed at once, with the profile's limits. Enabling,
-//     entering the mode and every stop but a halt set 0052 to 0, so that none ever starts a motion. A halt slows to 0 and goes on after.
-//     Target reached (bit 10): the setpoint has the velocity of 0052, not one before it that goes on because that was
-//     refused. Internal limit (bit 11): a soft limit holds it.
+//     entering the mode and every stop but a halt set 0052 to 0, so that none ever starts a motion. A halt slows to 0
+//     and goes on after. Target reached (bit 10): the setpoint has the velocity of 0052, not one before it that goes on
+//     because that was refused. Internal limit (bit 11): a soft limit holds it.
 //   - Homing (bit 4 rising, at rest): the place where the axis stands becomes position 0 (methods 35 and 37), in one
 //     tick, without motion. Bit 12 stays until the next homing or mode.
 //   - Stream: bit 4 rising, at rest, begins with what has been written to 0090, whose first position is where the axis

@@ -16,6 +16,7 @@ void Drive::follow_mode() {
   if (wanted == mode_ || !standing_ || homing_ || tuning_) return;
   mode_ = wanted;
   parameters_->set(Register::kModeDisplay, static_cast<uint32_t>(wanted));
+  if (set_point_waits_ || buffered_) parameters_->note_refusal(kReasonOtherMode, address_of(Register::kMode));
   start_mode();
 }
 
@@ -49,7 +50,7 @@ void Drive::take_set_point(bool shaper_waiting) {
   if (mode_ == OperationMode::kProfileVelocity) return take_velocity();
   if (buffered_ && standing_) {
     buffered_ = false;
-    if (!start(next_)) given_up_ = true;
+    if (!start(next_)) set_point_taken_ = false;
     return;
   }
   if (!set_point_waits_) return;

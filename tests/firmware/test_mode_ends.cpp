@@ -227,4 +227,50 @@ TEST_F(Streamed, written_in_another_mode_they_are_not_of_this_one) {
   TEST_ASSERT_EQUAL_UINT32(0, get(0x008A));
 }
 
+TEST_F(Enabled402, a_kept_set_point_that_is_refused_in_its_turn_is_as_if_it_had_not_been_given) {
+  for (const bool bit_stays : std::initializer_list<bool>{false, true}) {
+    TEST_INFO("bit 4 stays up", bit_stays);
+    Enabled402 rig;
+    rig.start_move(400000);
+    rig.control(0x0F);
+    TEST_ASSERT_EQUAL_UINT32(0, rig.write_wide(0x0138, 1));
+    rig.start_move(800000);
+    TEST_ASSERT_EQUAL_UINT32(kTaken, rig.status() & (kTaken | kTargetReached));
+    if (!bit_stays) rig.control(0x0F);
+    rig.step(1500);
+    TEST_ASSERT_EQUAL_INT64(400000 * kCount, rig.servo.setpoint());
+    TEST_ASSERT_EQUAL_UINT32(0x0308, rig.get(0x0012));
+    TEST_ASSERT_EQUAL_UINT32(0x0138, rig.get(0x0013));
+    TEST_ASSERT_EQUAL_UINT32(kTargetReached, rig.status() & (kTaken | kTargetReached));
+  }
+}
+
+TEST_F(Enabled402, a_kept_set_point_that_another_mode_drops_leaves_a_reason) {
+  start_move(400000);
+  control(0x0F);
+  start_move(800000);
+  control(0x0F);
+  TEST_ASSERT_EQUAL_UINT32(kTaken, status() & kTaken);
+  TEST_ASSERT_EQUAL_UINT32(0, write_single(0x0042, 6));
+  step(1500);
+  TEST_ASSERT_EQUAL_UINT32(6, get(0x0043));
+  TEST_ASSERT_EQUAL_INT64(400000 * kCount, servo.setpoint());
+  expect_refused(0x8201, 0x0042);
+  TEST_ASSERT_EQUAL_UINT32(0, write_single(0x0042, 1));
+  step(5);
+  start_move(800000);
+  control(0x0F);
+  step(1500);
+  TEST_ASSERT_EQUAL_INT64(800000 * kCount, servo.setpoint());
+  TEST_ASSERT_EQUAL_UINT32(0, get(0x0012));
+}
+
+TEST_F(Velocity, bit_4_means_nothing_there_and_is_no_set_point_that_a_mode_drops) {
+  control(0x1F);
+  TEST_ASSERT_EQUAL_UINT32(0, write_single(0x0042, 1));
+  step(5);
+  TEST_ASSERT_EQUAL_UINT32(1, get(0x0043));
+  TEST_ASSERT_EQUAL_UINT32(0, get(0x0012));
+}
+
 }  // namespace
