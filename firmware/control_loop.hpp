@@ -44,7 +44,7 @@ int32_t following_error(const LoopSnapshot& loop);  // setpoint less position, i
 
 // Who may call what: `tick` and `own_timer_tick` are the tick's context (interrupts of one priority, or both called
 // from the background); everything else is the background's. The background asks through words of 32 bits that it alone
-// writes; the tick answers in the snapshot. A zero-initialised loop is valid storage.
+// writes, but for two that the tick clears; it answers in the snapshot. A zero-initialised loop is valid storage.
 //
 // Enabling, the fault latch and the ramp are decided in the tick, so that a background that plans for a second
 // delays none of them.
@@ -70,10 +70,12 @@ class ControlLoop {
 
   // Homing where it stands: at the next tick that finds the axis enabled and at rest, that place becomes `counts`, and
   // `homings` in the snapshot goes up. Nothing moves. What the drive is told and reads is counted from there since.
+  // Taken back, or dropped by a fault or while disabled, it is not done later.
   void request_home(int32_t counts) {
     home_counts_ = counts;
-    store(homings_requested_, load(homings_requested_) + 1);
+    store(home_requested_, 1);
   }
+  void take_home_back() { store(home_requested_, 0); }
 
   // How a fault ends: kOff, kRamp or kQuick. For kRamp the background is to halt the axis once it sees the fault, and
   // say so by `note_ramp`, with the count of the fault; where that takes too long the quick stop comes instead. kQuick
@@ -126,17 +128,17 @@ class ControlLoop {
   AxisCore* axis_ = nullptr;
   hal::ServoPort* servo_ = nullptr;
 
-  // Written by the background alone.
+  // Written by the background, and by it alone but where the tick is named.
   uint32_t wanted_enabled_ = 0;
   uint32_t clear_requested_ = 0;
   uint32_t window_counts_ = 0;
-  uint32_t homings_requested_ = 0;
+  uint32_t home_requested_ = 0;  // the tick clears it too
   int32_t home_counts_ = 0;
   uint32_t fault_option_ = 0;  // StopOption
   uint32_t ramped_fault_ = 0;  // the fault_count that it has begun the ramp of
   uint32_t client_heard_ = 0;
   uint32_t client_watchdog_ms_ = 0;
-  uint32_t requested_fault_ = 0;  // FaultCode; cleared by the tick, which alone does that
+  uint32_t requested_fault_ = 0;  // FaultCode; the tick clears it, and alone
 
   // The tick's own.
   LoopSnapshot state_ = {};

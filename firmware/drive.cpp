@@ -25,7 +25,7 @@ void Drive::write_controlword(uint16_t controlword) {
   if ((rising & kControlFaultReset) != 0 && state_ == DriveState::kFault) loop_->request_fault_clear();
   // Only in operation enabled: an edge before is lost, so that enabling never starts a move.
   if ((rising & kControlNewSetPoint) != 0 && state_ == DriveState::kOperationEnabled) {
-    set_point_waits_ = !tuning_;
+    set_point_waits_ = !tuning_ && mode_ != OperationMode::kProfileVelocity;
     parameters_->note_refusal(tuning_ ? kReasonTuning : 0, tuning_ ? address_of(Register::kControlword) : 0);
   }
   service();
@@ -39,7 +39,9 @@ void Drive::write_controlword(uint16_t controlword) {
 void Drive::service() {
   // In this order: a tick between the two can then only show a move later than it began, never an end too early.
   const bool pending = axis_->pending();
+  const AxisState before = seen_.axis;
   seen_ = loop_->snapshot();
+  see_velocity(before);
   standing_ = !pending && seen_.axis.phase == AxisPhase::kAtRest;
   if (standing_) moving_ = false;
   follow_mode();
@@ -85,12 +87,15 @@ void Drive::obey() {
   if (obey_enable(wanted)) return;
   if (goes_on()) return enter(DriveState::kOperationEnabled);
   if (wanted == state_) {
+    if (slowing_) forget_commands();
     slowing_ = false;
     if (state_ == DriveState::kOperationEnabled) obey_halt();
     return;
   }
   if (state_ == DriveState::kOperationEnabled && wanted == DriveState::kSwitchedOn && !standing_) {
-    if (!slowing_) slow_down();
+    if (slowing_) return;  // nothing else can have begun since
+    slow_down();
+    forget_commands();
     slowing_ = true;
     return;
   }
@@ -131,7 +136,10 @@ bool Drive::obey_enable(DriveState wanted) {
 void Drive::obey_halt() {
   if (!halt_asked()) {
     halting_ = false;
-  } else if (!halting_ && !standing_) {
+    return;
+  }
+  buffered_ = false;
+  if (!halting_ && !standing_) {
     halting_ = true;
     slow_down();
     velocity_ = 0;
@@ -153,14 +161,12 @@ void Drive::enter(DriveState state) {
   enabling_ = false;
   slowing_ = false;
   halting_ = false;
-  forget_set_points();
-  homing_ = false;
+  forget_commands();
+  end_homing();
   if (state == DriveState::kOperationEnabled) {
+    stream_->stop();
     moving_ = false;
     given_up_ = false;
-    velocity_ = 0;
-    velocity_waits_ = false;
-    parameters_->set(Register::kTargetVelocity, 0);
   }
 }
 
@@ -173,7 +179,7 @@ uint16_t Drive::reason_not_free() const {
 
 bool Drive::may_move() const {
   return state_ == DriveState::kOperationEnabled && command_of(controlword_) == DriveCommand::kEnableOperation &&
-         !halt_asked();
+         !halt_asked() && !slowing_;
 }
 
 uint16_t Drive::statusword() const {

@@ -20,23 +20,28 @@ namespace stillpoint::firmware {
 //   - Halt (bit 8) ramps by the profile's limits, before the shaper, and so ends still; the move is given up and not
 //     resumed, set-points are refused while the bit is set.
 //   - Disable operation (5) ramps like that and then switches off; shutdown (8) and disable voltage (9) switch off at
-//     once, whatever moves.
+//     once, whatever moves. What is asked for while it ramps is lost; enable operation then calls off the switching
+//     off, not the ramp.
 //   - Quick stop is what 0078 says; by delivery option 2, a ramp at the quick-stop limits, then switch-on disabled.
-//     From one that stays (5, 6) enable operation goes on once it stands.
+//     From one that stays (5, 6) enable operation goes on once it stands; target reached (bit 10) says that it does.
 //   - A fault reaction is what 0079 says. The profile's ramp (1) is begun here and so waits for a plan under way; where
 //     that takes more than kRampPatienceTicks the loop stops by itself.
 //   - A set-point while the axis moves takes over in flight if it is to (bit 5, at once), with the profile's limits as
 //     they are then; else it is kept, with its limits, until the axis stands, and bit 12 stays up until then. Behind
 //     one that is kept others are refused, but for one at once, which replaces both. A relative one counts from the
 //     target in force. One that comes while a shaper is on its way waits for it. A halt, a stop and whatever ends
-//     operation enabled drop the kept one.
+//     operation enabled drop the kept one; so do another mode and, in its turn, a refusal, which are in 0012. Bit 12
+//     is then down, and bit 10 says what it said before.
 //   - Another mode (0042) is in force, and shown (0043), once the axis stands.
 //   - Profile velocity: what is written to 0052 while enabled is followed at once, with the profile's limits. Enabling,
-//     and entering the mode, set 0052 to 0, so that neither ever starts a motion. A halt slows to 0 and goes on after.
+//     entering the mode and every stop but a halt set 0052 to 0, so that none ever starts a motion. A halt slows to 0
+//     and goes on after. Target reached (bit 10): the setpoint has the velocity of 0052, not one before it that goes on
+//     because that was refused. Internal limit (bit 11): a soft limit holds it.
 //   - Homing (bit 4 rising, at rest): the place where the axis stands becomes position 0 (methods 35 and 37), in one
 //     tick, without motion. Bit 12 stays until the next homing or mode.
 //   - Stream: bit 4 rising, at rest, begins with what has been written to 0090, whose first position is where the axis
-//     stands; its falling ends it by the profile's ramp and drops what waits. Bit 12: it is followed exactly.
+//     stands; its falling ends it by the profile's ramp and drops what waits. So do enabling and any change of mode,
+//     also where no stream runs: positions count from when the mode is shown. Bit 12: it is followed exactly.
 class Drive {
  public:
   void begin(AxisCore& axis, ControlLoop& loop, Parameters& parameters, PositionStream& stream);
@@ -76,9 +81,11 @@ class Drive {
   void follow_mode();
   void take_target();
   bool start(const Move& move);
-  void forget_set_points();
+  void forget_commands();
   void take_velocity();
+  void see_velocity(const AxisState& before);
   void home();
+  void end_homing();
   void begin_stream();
   void follow_stream();
   void start_mode();
@@ -93,6 +100,7 @@ class Drive {
   void slow_down();
   void enter(DriveState state);
   bool target_reached() const;
+  bool follows_velocity() const;
   bool velocity_is_asked() const { return velocity_waits_ && mode_ == OperationMode::kProfileVelocity; }
   uint32_t mode_bits() const;
   bool halt_asked() const { return (controlword_ & kControlHalt) != 0; }
@@ -123,7 +131,8 @@ class Drive {
   bool given_up_ = false;        // the last move was stopped on its way
   int32_t velocity_ = 0;         // asked of the axis, in profile velocity
   bool velocity_waits_ = false;  // written, and neither taken nor refused yet
-  uint32_t velocity_ticks_ = 0;  // of the motion in force, until the setpoint has that velocity
+  Signal velocity_change_ = 0;   // a tick, at that velocity
+  bool at_velocity_ = false;     // the setpoint, between the newest two ticks that `service` saw
   uint32_t homings_ = 0;         // the loop's, when homing was asked for
   bool homing_ = false;
   bool homed_ = false;

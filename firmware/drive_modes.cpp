@@ -16,32 +16,41 @@ void Drive::follow_mode() {
   if (wanted == mode_ || !standing_ || homing_ || tuning_) return;
   mode_ = wanted;
   parameters_->set(Register::kModeDisplay, static_cast<uint32_t>(wanted));
+  if (set_point_waits_ || buffered_) parameters_->note_refusal(kReasonOtherMode, address_of(Register::kMode));
   start_mode();
+}
+
+// Taken back, unless a tick has done it already.
+void Drive::end_homing() {
+  if (!homing_) return;
+  loop_->take_home_back();
+  homing_ = false;
+  homed_ = loop_->snapshot().homings != homings_;
 }
 
 // Nothing of an earlier mode, or of an earlier time in this one, goes on.
 void Drive::start_mode() {
-  forget_set_points();
-  homing_ = false;
+  forget_commands();
+  stream_->stop();
   homed_ = false;
   homing_failed_ = false;
+}
+
+void Drive::forget_commands() {
+  set_point_waits_ = false;
+  set_point_taken_ = false;
+  buffered_ = false;
   velocity_ = 0;
   velocity_waits_ = false;
   parameters_->set(Register::kTargetVelocity, 0);
 }
 
-void Drive::forget_set_points() {
-  set_point_waits_ = false;
-  set_point_taken_ = false;
-  buffered_ = false;
-}
-
 void Drive::take_set_point(bool shaper_waiting) {
-  if (state_ != DriveState::kOperationEnabled || tuning_ || (shaper_waiting && !moving_)) return;
+  if (state_ != DriveState::kOperationEnabled || slowing_ || tuning_ || (shaper_waiting && !moving_)) return;
   if (mode_ == OperationMode::kProfileVelocity) return take_velocity();
   if (buffered_ && standing_) {
     buffered_ = false;
-    if (!start(next_)) given_up_ = true;
+    if (!start(next_)) set_point_taken_ = false;
     return;
   }
   if (!set_point_waits_) return;
@@ -84,8 +93,8 @@ void Drive::begin_stream() {
 
 void Drive::follow_stream() {
   if (!stream_->running()) return;
-  // A fault where it stood has ended it already.
-  if (axis_->stream_state().faulted) loop_->request_fault(FaultCode::kStreamLimit);
+  // A fault where it stood has ended it already. Asked for once: a reset must not find it waiting.
+  if (axis_->stream_state().faulted && seen_.fault == FaultCode::kNone) loop_->request_fault(FaultCode::kStreamLimit);
   if (mode_ != OperationMode::kStream || standing_) return stream_->stop();
   if ((controlword_ & kControlNewSetPoint) == 0 && !given_up_) slow_down();
 }
@@ -97,13 +106,27 @@ void Drive::take_velocity() {
   const Status status = axis_->jog(wanted, profile_limits(*parameters_), &report);
   if (status.error == Error::kBusy) return;  // what was asked for before has not begun; asked again
   velocity_waits_ = false;
+  // On a soft limit, and bound beyond it: that holds it.
+  if (status.ok() || (standing_ && status.quantity == Quantity::kPosition)) {
+    velocity_ = wanted;
+    velocity_change_ = static_cast<Signal>(wanted * axis_->config().tick_s * static_cast<double>(kSignalPerCount));
+    at_velocity_ = false;
+  }
   if (!status.ok()) return note_velocity_refusal(status, *parameters_);
   note_move_report(report, *parameters_);
-  velocity_ = wanted;
-  velocity_ticks_ = report.total_ticks;
   moving_ = true;
   given_up_ = false;
   if (loop_->snapshot().fault != FaultCode::kNone) axis_->request_stop();
+}
+
+void Drive::see_velocity(const AxisState& before) {
+  constexpr uint32_t kRounding = 1U << 8;  // a tick: 6e-8 counts
+  const uint32_t ticks = seen_.axis.tick - before.tick;
+  if (ticks == 0) return;
+  const Signal change = wrapping_difference(seen_.axis.setpoint, before.setpoint);
+  const uint64_t off = static_cast<uint64_t>(change) - static_cast<uint64_t>(velocity_change_) * ticks;
+  const uint64_t most = uint64_t{kRounding} * ticks;
+  at_velocity_ = off + most <= 2 * most;
 }
 
 void Drive::take_target() {
@@ -139,12 +162,20 @@ bool Drive::start(const Move& move) {
   return true;
 }
 
+// Operation enabled, in profile velocity, and not halted.
+bool Drive::follows_velocity() const {
+  return state_ == DriveState::kOperationEnabled && mode_ == OperationMode::kProfileVelocity && !halt_asked();
+}
+
+// Halted, or in a quick stop that stays: that it stands.
 bool Drive::target_reached() const {
-  if (mode_ == OperationMode::kProfileVelocity && velocity_ != 0 && !halting_) {
-    return state_ == DriveState::kOperationEnabled && !axis_->pending() && seen_.axis.track_ticks >= velocity_ticks_ &&
-           !velocity_waits_;
+  const bool stays = state_ == DriveState::kQuickStopActive && stays_;
+  if (state_ != DriveState::kOperationEnabled && !stays) return false;
+  if (follows_velocity()) {
+    if (velocity_waits_ || velocity_ != parameters_->get_signed(Register::kTargetVelocity)) return false;
+    if (velocity_ != 0) return at_velocity_;
   }
-  if (state_ != DriveState::kOperationEnabled || moving_ || buffered_ || (given_up_ && !halt_asked())) return false;
+  if (moving_ || buffered_ || (given_up_ && !stays && !halt_asked())) return false;
   const uint64_t settled_us = uint64_t{seen_.settled_ticks} * tick_us_;
   return seen_.settled_ticks != 0 && settled_us >= uint64_t{parameters_->get(Register::kPositionTimeMs)} * 1000U;
 }
@@ -152,11 +183,15 @@ bool Drive::target_reached() const {
 uint32_t Drive::mode_bits() const {
   switch (mode_) {
     case OperationMode::kProfileVelocity:
-      return state_ == DriveState::kOperationEnabled && standing_ ? kStatusVelocityZero : 0U;
+      if (state_ != DriveState::kOperationEnabled || !standing_) return 0;
+      return kStatusVelocityZero |
+             (follows_velocity() && velocity_ != 0 && !velocity_waits_ && !moving_ ? kStatusInternalLimit : 0U);
     case OperationMode::kStream:
       return seen_.axis.phase == AxisPhase::kStreaming && !axis_->stream_state().limiting ? kStatusSetPointTaken : 0U;
     case OperationMode::kHoming: return (homed_ ? kStatusHomed : 0U) | (homing_failed_ ? kStatusHomingError : 0U);
-    default: return set_point_taken_ || buffered_ ? kStatusSetPointTaken : 0U;
+    default:
+      return (set_point_taken_ || buffered_ ? kStatusSetPointTaken : 0U) |
+             (seen_.fault == FaultCode::kFollowingError ? kStatusFollowingError : 0U);
   }
 }
 

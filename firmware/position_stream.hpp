@@ -33,7 +33,7 @@ class PositionStream {
 
   // From here on `tick` goes on from `position`. Not while it runs.
   void start(int32_t position, uint32_t interval);
-  // Forgets what waits.
+  // Ends it, and forgets what waits; also what waits for a stream that never began.
   void stop();
   bool running() const;
   // How often positions ran out while they still changed. Only goes up.

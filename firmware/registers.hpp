@@ -277,6 +277,7 @@ constexpr uint16_t kWarningNotRestored = 0x0004;      // the shaper that was sav
 constexpr uint16_t kReasonLocked = 0x8000;        // needs the unlock key
 constexpr uint16_t kReasonNotStanding = 0x8100;   // the axis moves, or something waits to take effect
 constexpr uint16_t kReasonHalted = 0x8200;        // the controlword's halt bit is set
+constexpr uint16_t kReasonOtherMode = 0x8201;     // the set-point had not begun when another mode came into force
 constexpr uint16_t kReasonNoFeedback = 0x8300;    // the servo link gives no valid position: operation not enabled
 constexpr uint16_t kReasonNotAvailable = 0x8400;  // this firmware cannot do it
 constexpr uint16_t kReasonStreamFull = 0x8600;    // no room for so many positions: 0016 has how many

@@ -30,11 +30,14 @@ constexpr uint16_t kStatusVoltageEnabled = 1U << 4;
 constexpr uint16_t kStatusWarning = 1U << 7;
 constexpr uint16_t kStatusRemote = 1U << 9;
 constexpr uint16_t kStatusTargetReached = 1U << 10;
-// Bit 12 by mode: the set-point is taken, the velocity is 0, home is known, the stream is followed. Bit 13: homing
+constexpr uint16_t kStatusInternalLimit = 1U << 11;  // a soft limit holds what should move at a velocity
+// Bit 12 by mode: the set-point is taken, the velocity is 0, home is known, the stream is followed. Bit 13:
+// the position has left its window for its time (6065h, 6066h), which is a fault here, until that is reset; homing
 // failed.
 constexpr uint16_t kStatusSetPointTaken = 1U << 12;
 constexpr uint16_t kStatusVelocityZero = 1U << 12;
 constexpr uint16_t kStatusHomed = 1U << 12;
+constexpr uint16_t kStatusFollowingError = 1U << 13;
 constexpr uint16_t kStatusHomingError = 1U << 13;
 
 // The level command in bits 0-3; every pattern is one of them. (Fault reset is an edge, see drive.hpp.)

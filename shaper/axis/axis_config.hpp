@@ -91,7 +91,7 @@ struct AxisState {
   Signal zero;           // of a rotary axis: see Turns
 };
 
-// Of the last stream.
+// Of the last stream, from `begin_stream` on.
 struct StreamState {
   bool limiting;           // its last setpoint was not followed
   bool faulted;            // it ended for that

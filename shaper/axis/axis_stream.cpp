@@ -19,6 +19,8 @@ Status AxisCore::begin_stream(const StreamConfig& config) {
   made_up_ticks_ = config.made_up_ticks;
   stream_begin_count_ = load(streamed_count_);
   store(stream_end_requested_, 0);
+  // The tick writes it only while it streams. Not left to the tick that begins: that may be held up.
+  store(stream_faulted_, 0);
   hand_over_move(kStream, epoch);
   return status;
 }
@@ -39,7 +41,6 @@ void AxisCore::start_stream() {
   limiter_.start(stream_limits_, stream_policy_, made_up_ticks_, outputs_[0], outputs_[0], outputs_[0]);
   limiter_.keep_between(soft_low_, soft_high_);
   stream_seen_ = stream_begin_count_;
-  store(stream_faulted_, 0);
   streaming_ = true;
   store(pending_move_, kNoMove);
 }
