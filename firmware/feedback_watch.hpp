@@ -9,6 +9,10 @@
 
 namespace stillpoint::firmware {
 
+// Counts beyond a soft limit that an axis which stands at it may flicker by. The position window (0070), which no key
+// protects, can make it less and not more: it would else put the limits off.
+constexpr uint32_t kMostLimitMargin = 100;
+
 // Each is off at 0, the position limits where low >= high. Counts, and ticks in a row.
 struct FeedbackLimits {
   uint32_t following_window;  // half its width, around the shaped demand

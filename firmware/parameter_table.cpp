@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "firmware/default_axis.hpp"
+#include "firmware/feedback_watch.hpp"
 #include "firmware/line_settings.hpp"
 #include "firmware/parameters.hpp"
 #include "firmware/position_stream.hpp"
@@ -186,7 +187,9 @@ constexpr Entry kTable[kParameterCount] = {
          locked(value(R::kFollowingErrorWindow, T::kU32, 0x6065, 0, kU32Max, 0, "following-error window", "counts"))),
     with(Effect::kWatch,
          locked(value(R::kFollowingErrorTimeMs, T::kU16, 0x6066, 0, kU16Max, 10, "following-error time", "ms"))),
-    with(Effect::kWatch, value(R::kPositionWindow, T::kU32, 0x6067, 0, kU32Max, 100, "position window", "counts")),
+    with(Effect::kWatch, value(R::kPositionWindow, T::kU32, 0x6067, 0, kU32Max, kMostLimitMargin,
+                               "position window (up to 100 also what the position may be beyond a soft limit)",
+                               "counts")),
     value(R::kPositionTimeMs, T::kU16, 0x6068, 0, kU16Max, 20, "position window time", "ms"),
     // Low at or above high: none.
     soft_limit(R::kSoftLimitLow, "soft limit low"),

@@ -84,7 +84,7 @@ void RegisterBank::watch() {
   limits.most_per_tick = most_per_tick(parameters.get(Register::kMaximumVelocity));
   limits.low = parameters.get_signed(Register::kSoftLimitLow);
   limits.high = parameters.get_signed(Register::kSoftLimitHigh);
-  limits.margin = window;
+  limits.margin = window < kMostLimitMargin ? window : kMostLimitMargin;
   loop.watch(limits);
   loop.set_position_window(window);
   loop.set_client_watchdog(parameters.get(Register::kClientWatchdogMs));

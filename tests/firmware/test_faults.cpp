@@ -180,4 +180,38 @@ TEST_F(Moving, a_motor_that_does_not_follow_is_a_fault_and_a_set_point_beyond_a_
   TEST_ASSERT_FALSE(servo.enabled());
 }
 
+// Soft limits of -+ 1000 counts, and the motor where it is pushed to by hand.
+struct Limited : Drive402 {
+  Limited() { limit(-1000, 1000); }
+  void limit(int32_t low, int32_t high) {
+    unlock();
+    const auto word = [](int32_t value, int shift) { return static_cast<uint16_t>(value >> shift); };
+    TEST_ASSERT_EQUAL_UINT32(0, write(0x0074, {word(low, 16), word(low, 0), word(high, 16), word(high, 0)}));
+  }
+  void push_to(int32_t counts) {
+    servo.encoder_off = counts * kCount - servo.position;
+    step(100);
+  }
+};
+
+TEST_F(Limited, no_register_without_a_lock_opens_the_soft_limits) {
+  step(61000);
+  TEST_ASSERT_EQUAL_UINT32(6, write_wide(0x0076, 5));
+  TEST_ASSERT_EQUAL_UINT32(0, write_wide(0x0070, UINT32_MAX));
+  enable();
+  push_to(1100);
+  TEST_ASSERT_EQUAL_UINT32(0, get(0x0010));
+  push_to(1101);
+  TEST_ASSERT_EQUAL_UINT32(0x8612, get(0x0010));
+}
+
+TEST_F(Limited, a_window_narrower_than_the_margin_narrows_it) {
+  TEST_ASSERT_EQUAL_UINT32(0, write_wide(0x0070, 3));
+  enable();
+  push_to(-1003);
+  TEST_ASSERT_EQUAL_UINT32(0, get(0x0010));
+  push_to(-1004);
+  TEST_ASSERT_EQUAL_UINT32(0x8612, get(0x0010));
+}
+
 }  // namespace
