@@ -77,18 +77,25 @@ void RegisterBank::begin(const Parts& parts) {
 void RegisterBank::watch() {
   const Parameters& parameters = *parts_.parameters;
   ControlLoop& loop = *parts_.loop;
-  const uint32_t window = parameters.get(Register::kPositionWindow);
-  FeedbackLimits limits = {};
+  FeedbackLimits limits = position_limits();
   limits.following_window = parameters.get(Register::kFollowingErrorWindow);
   limits.ticks = ticks_of(parameters.get(Register::kFollowingErrorTimeMs));
   limits.most_per_tick = most_per_tick(parameters.get(Register::kMaximumVelocity));
+  loop.watch(limits);
+  loop.set_position_window(parameters.get(Register::kPositionWindow));
+  loop.set_client_watchdog(parameters.get(Register::kClientWatchdogMs));
+  loop.set_fault_option(static_cast<StopOption>(parameters.get(Register::kFaultOption)));
+}
+
+// The others off.
+FeedbackLimits RegisterBank::position_limits() const {
+  const Parameters& parameters = *parts_.parameters;
+  const uint32_t window = parameters.get(Register::kPositionWindow);
+  FeedbackLimits limits = {};
   limits.low = parameters.get_signed(Register::kSoftLimitLow);
   limits.high = parameters.get_signed(Register::kSoftLimitHigh);
   limits.margin = window < kMostLimitMargin ? window : kMostLimitMargin;
-  loop.watch(limits);
-  loop.set_position_window(window);
-  loop.set_client_watchdog(parameters.get(Register::kClientWatchdogMs));
-  loop.set_fault_option(static_cast<StopOption>(parameters.get(Register::kFaultOption)));
+  return limits;
 }
 
 uint32_t RegisterBank::ticks_of(uint32_t ms) const {

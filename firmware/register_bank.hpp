@@ -6,6 +6,7 @@
 
 #include "firmware/drive.hpp"
 #include "firmware/fault_log.hpp"
+#include "firmware/feedback_watch.hpp"
 #include "firmware/modbus_pdu.hpp"
 #include "firmware/parameters.hpp"
 #include "firmware/position_stream.hpp"
@@ -69,6 +70,7 @@ class RegisterBank {
   struct Request;
 
   ModbusException write_stream(const Request& request);
+  FeedbackLimits position_limits() const;
   uint32_t ticks_of(uint32_t ms) const;
   uint32_t most_per_tick(uint32_t velocity) const;
   uint16_t word_at(uint16_t address) const;

@@ -254,7 +254,7 @@ enum class FaultCode : uint16_t {
   kClientSilent = 0x8100,        // communication: no request within the time of 0023
   kLinkSilent = 0x8130,          // heartbeat: no servo tick for 100 ms of the own timer; a host that is too slow
   kFollowingError = 0x8611,      // the position left its window around the shaped demand for too long
-  kPositionLimit = 0x8612,       // reference limit: the position is beyond a soft limit
+  kPositionLimit = 0x8612,       // reference limit: the position passed a soft limit outwards
   kStreamLimit = 0xFF01,         // a streamed position broke the limits, and 0089 asks for a fault then
 };
 
@@ -266,6 +266,7 @@ enum class StopOption : uint16_t { kOff, kRamp, kQuick, kRampAndStay = 5, kQuick
 constexpr uint16_t kWarningFeedbackMissing = 0x0001;  // the newest feedback was lost or invalid
 constexpr uint16_t kWarningLinkSilent = 0x0002;       // no servo tick for 100 ms
 constexpr uint16_t kWarningNotRestored = 0x0004;      // the shaper that was saved is not in force: not yet, or refused
+constexpr uint16_t kWarningBeyondLimit = 0x0008;      // the position is beyond a soft limit
 
 // 0012. The shaper's own refusals are its error in the high byte and the quantity in the low byte; what the drive
 // itself refuses has bit 15 set.

@@ -30,6 +30,7 @@ constexpr uint16_t kStatusVoltageEnabled = 1U << 4;
 constexpr uint16_t kStatusWarning = 1U << 7;
 constexpr uint16_t kStatusRemote = 1U << 9;
 constexpr uint16_t kStatusTargetReached = 1U << 10;
+constexpr uint16_t kStatusInternalLimit = 1U << 11;  // the position is beyond a soft limit
 // Bit 12 by mode: the set-point is taken, the velocity is 0, home is known, the stream is followed. Bit 13: homing
 // failed.
 constexpr uint16_t kStatusSetPointTaken = 1U << 12;
