@@ -20,31 +20,39 @@ void put_registers(Exchange& exchange, uint32_t count) {
 
 }  // namespace
 
-void ModbusServer::serve(RtuPort& line) {
+bool ModbusServer::serve(RtuPort& line) {
   Exchange exchange = {line.request(), line.request_length(), line.response(), 0, {}};
   to_all_ = line.broadcast();
-  const ModbusException refused = execute(line, exchange);
+  const bool acts = !diagnostics_.listen_only() || modbus::Diagnostics::restarts(exchange);
+  const ModbusException refused = acts ? execute(line, exchange) : ModbusException::kNone;
   if (refused != ModbusException::kNone) {
     exchange.response[0] = static_cast<uint8_t>(exchange.request[0] | modbus::kExceptionBit);
     exchange.response[1] = static_cast<uint8_t>(refused);
     exchange.written = 2;
   }
   line.reply(exchange.written);
+  return acts;
 }
 
 ModbusException ModbusServer::execute(const RtuPort& line, Exchange& exchange) {
-  if (diagnostics_.listen_only() && !modbus::Diagnostics::restarts(exchange)) return ModbusException::kNone;
   switch (exchange.request[0]) {
     case modbus::kReadHolding:
     case modbus::kReadInput: return read(exchange);
     case modbus::kWriteSingle: return write_single(exchange);
-    case modbus::kDiagnostics: return diagnostics_.execute(line.counters(), exchange);
+    case modbus::kDiagnostics: return diagnose(line, exchange);
     case modbus::kWriteMultiple: return write_multiple(exchange);
     case modbus::kMaskWrite: return mask_write(exchange);
     case modbus::kReadWriteMultiple: return read_write(exchange);
     case modbus::kEncapsulated: return modbus::read_device_identification(exchange);
     default: return ModbusException::kIllegalFunction;
   }
+}
+
+// An axis that nobody can stop does not run on: it listens only while the drive is disabled.
+ModbusException ModbusServer::diagnose(const RtuPort& line, Exchange& exchange) {
+  const ModbusException refused =
+      modbus::Diagnostics::silences(exchange) ? registers_->check_disabled() : ModbusException::kNone;
+  return refused == ModbusException::kNone ? diagnostics_.execute(line.counters(), exchange) : refused;
 }
 
 ModbusException ModbusServer::write(uint16_t first, uint32_t count, const uint8_t* bytes, uint16_t* words) {

@@ -221,6 +221,10 @@ ModbusException RegisterBank::refuse_state(uint16_t reason, Register culprit) {
   return ModbusException::kDeviceBusy;
 }
 
+ModbusException RegisterBank::check_disabled() {
+  return parts_.keeper->disabled() ? ModbusException::kNone : refuse_state(kReasonNotDisabled, kNoRegister);
+}
+
 uint16_t RegisterBank::key_refusal(uint32_t key) const {
   if (key == static_cast<uint32_t>(CommandKey::kUnlock)) return 0;
   return unlocked_ ? parts_.keeper->refusal(static_cast<CommandKey>(key)) : kReasonLocked;

@@ -64,6 +64,9 @@ class RegisterBank {
   // written at all. Refused with 06.
   ModbusException write_from_all(uint16_t first, uint32_t count, const uint16_t* words);
 
+  // 06, as a state refuses a write, unless the drive is disabled (see ParameterKeeper).
+  ModbusException check_disabled();
+
   uint32_t ticks_per_second() const { return ticks_per_second_; }
 
  private:

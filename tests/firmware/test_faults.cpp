@@ -130,6 +130,28 @@ TEST_F(Moving, a_client_that_falls_silent_stops_the_axis_where_that_is_asked_for
   TEST_ASSERT_AT_MOST_INT64(140, ticks_to_stand());
 }
 
+// Function 8/4: from then on nothing is executed, so nothing could stop it.
+TEST_F(Moving, an_axis_that_is_not_disabled_does_not_take_to_listening_only) {
+  const auto refused = [&] {
+    TEST_ASSERT_EQUAL_UINT32(6, exception_in(exchange({8, 0, 4, 0, 0})));
+    expect_refused(0x8800, 0);
+    TEST_ASSERT_TRUE(exchange_with(0, {8, 0, 4, 0, 0}).empty());
+  };
+  go(100);
+  refused();
+  control(0x02);
+  step(200);
+  TEST_ASSERT_EQUAL_UINT32(0x0040, status() & 0x4F);
+  control(0x06);
+  control(0x07);
+  refused();
+  control(0x00);
+  TEST_ASSERT_TRUE(exchange({8, 0, 4, 0, 0}).empty());
+  TEST_ASSERT_TRUE(exchange(read_request(0x0041, 1)).empty());
+  TEST_ASSERT_TRUE(exchange({8, 0, 1, 0, 0}).empty());
+  TEST_ASSERT_EQUAL_UINT32(0x0040, status() & 0x4F);
+}
+
 // Only an enabled drive moves, so only there silence matters.
 TEST_F(Drive402, a_silent_client_of_a_drive_that_is_off_is_none_of_its_business) {
   unlock();
