@@ -102,7 +102,8 @@ class Parameters {
   void adopt(const AxisConfig& config);
 
   // Lowers what a move may ask for to what the axis may: every parameter with a ceiling that is no limit itself.
-  void lower_to_ceilings();
+  // One that was above it, or kNoRegister.
+  Register lower_to_ceilings();
 
   uint32_t value(size_t index) const { return values_[index]; }
   void set_value(size_t index, uint32_t value) { values_[index] = value; }
@@ -114,6 +115,8 @@ class Parameters {
 
   // Registers 0012, 0013 and 0016: why something was not done. `accepted` is in the unit of `culprit`, 0 for none.
   void note_refusal(uint16_t reason, uint16_t culprit, uint32_t accepted = 0);
+  // As in_range refuses it.
+  void note_out_of_range(Register culprit, uint32_t value, uint32_t accepted);
 
  private:
   void adopt_one(Register name, double value);

@@ -174,9 +174,7 @@ ModbusException RegisterBank::check_values(const Request& request) {
     if (parameter.effect == Effect::kCommandKey) return known_key(value);
     uint32_t accepted = 0;
     if (in_range(parameter, ceiling, value, accepted)) return true;
-    const bool available = accepted == value;
-    parts_.parameters->note_refusal(available ? kReasonNotAvailable : kReasonOutOfRange, address_of(parameter.name),
-                                    available ? 0 : accepted);
+    parts_.parameters->note_out_of_range(parameter.name, value, accepted);
     return false;
   });
   return good ? ModbusException::kNone : ModbusException::kIllegalValue;
