@@ -55,9 +55,11 @@ ModbusException ModbusServer::diagnose(const RtuPort& line, Exchange& exchange) 
   return refused == ModbusException::kNone ? diagnostics_.execute(line.counters(), exchange) : refused;
 }
 
-ModbusException ModbusServer::write(uint16_t first, uint32_t count, const uint8_t* bytes, uint16_t* words) {
+ModbusException ModbusServer::write(uint16_t first, uint32_t count, const uint8_t* bytes, uint16_t* words,
+                                    uint16_t before_read) {
   for (uint32_t i = 0; i < count; ++i) words[i] = word_at(bytes + 2 * i);
-  return to_all_ ? registers_->write_from_all(first, count, words) : registers_->write(first, count, words);
+  return to_all_ ? registers_->write_from_all(first, count, words)
+                 : registers_->write(first, count, words, before_read);
 }
 
 ModbusException ModbusServer::read(Exchange& exchange) {
@@ -110,7 +112,8 @@ ModbusException ModbusServer::read_write(Exchange& exchange) {
   if (request[9] != 2 * written || exchange.length != 10 + 2 * written) return ModbusException::kIllegalValue;
   // Once to know that it can be read, before anything is written.
   ModbusException refused = registers_->read(first, count, exchange.words);
-  if (refused == ModbusException::kNone) refused = write(word_at(request + 5), written, request + 10, exchange.words);
+  if (refused == ModbusException::kNone)
+    refused = write(word_at(request + 5), written, request + 10, exchange.words, first);
   if (refused == ModbusException::kNone) refused = registers_->read(first, count, exchange.words);
   if (refused == ModbusException::kNone) put_registers(exchange, count);
   return refused;

@@ -9,9 +9,9 @@
 // is left out. So a firmware with more parameters reads the image of one with fewer and has its defaults for the rest;
 // an address that it does not know, or a value that it no longer accepts, it leaves out; 0012 names the last of them.
 //
-// A save goes to the page that does not hold the image in force, the newest whole one of a known version, and counts from its last word, the CRC, on: a
-// power cut before leaves the old set, after it the new one. (A cut *in* that word: the new one if the word can be read
-// as it should be, else the old one.)
+// A save goes to the page that does not hold the image in force, the newest whole one of a known version, and counts
+// from its last word, the CRC, on: a power cut before leaves the old set, after it the new one. (A cut *in* that word:
+// the new one if the word can be read as it should be, else the old one.)
 #pragma once
 
 #include <stdint.h>

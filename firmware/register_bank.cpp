@@ -39,6 +39,7 @@ struct RegisterBank::Request {
   uint32_t first;
   uint32_t count;
   const uint16_t* words;
+  bool keeps_record;  // of the scope
 
   uint32_t end() const { return first + count; }
 
@@ -110,7 +111,7 @@ uint32_t RegisterBank::most_per_tick(uint32_t velocity) const {
 }
 
 Status RegisterBank::take_parameters() {
-  const Status status = configure_axis({0, 0, nullptr});
+  const Status status = configure_axis({0, 0, nullptr, false});
   if (status.ok()) watch();
   return status;
 }
@@ -120,8 +121,9 @@ void RegisterBank::set_uptime(uint32_t uptime_ms) {
   if (uptime_ms_ - unlocked_at_ms_ >= kUnlockedMs) unlocked_ = false;
 }
 
-ModbusException RegisterBank::write(uint16_t first, uint32_t count, const uint16_t* words) {
-  const Request request = {first, count, words};
+ModbusException RegisterBank::write(uint16_t first, uint32_t count, const uint16_t* words, uint16_t before_read) {
+  const bool of_record = before_read >= kFirstScopeWord && before_read < kFirstScopeWord + 2 * kScopePage;
+  const Request request = {first, count, words, of_record};
   if (first == kFirstStreamPosition) return write_stream(request);
   ModbusException refused = check_addresses(request);
   if (refused == ModbusException::kNone) refused = check_values(request);
@@ -193,6 +195,7 @@ ModbusException RegisterBank::check_state(const Request& request) {
     if ((parameter.effect == Effect::kTune || tracks) && !parts_.tuner->available()) reason = kReasonNotAvailable;
     limits = limits || parameter.effect == Effect::kAxisLimits;
     commands = commands || parameter.effect == Effect::kTune || parameter.effect == Effect::kScope;
+    if (reason == 0 && commands && request.keeps_record) reason = kReasonNothingToDo;
     const bool applies = parameter.effect == Effect::kApplyShaper && request.value_of(parameter) != kApplyDiscard;
     const bool needs_axis = limits || applies || parameter.effect == Effect::kVelocity;
     if (reason == 0 && needs_axis && parts_.tuner->busy()) reason = kReasonTuning;

@@ -37,8 +37,7 @@ ModbusException RegisterBank::read(uint16_t first, uint32_t count, uint16_t* wor
       return ModbusException::kIllegalAddress;
     }
   }
-  if (window_at(first) == Window::kScope && !parts_.scope->full())
-    return refuse_state(kReasonNothingToDo, static_cast<Register>(first));
+  if (window_at(first) == Window::kScope && !parts_.scope->full()) return ModbusException::kDeviceBusy;
   refresh();
   parts_.scope->show();
   const bool of_tuning =
