@@ -38,7 +38,10 @@ void Drive::forget_set_points() {
 
 void Drive::take_set_point(bool shaper_waiting) {
   if (state_ != DriveState::kOperationEnabled || tuning_ || (shaper_waiting && !moving_)) return;
-  if (mode_ == OperationMode::kProfileVelocity) return take_velocity();
+  if (mode_ == OperationMode::kProfileVelocity) {
+    set_point_waits_ = false;  // it takes none
+    return take_velocity();
+  }
   if (buffered_ && standing_) {
     buffered_ = false;
     if (!start(next_)) given_up_ = true;
