@@ -51,7 +51,9 @@ size_t stored_at(uint32_t key) {
 void take_entry(uint32_t key, uint32_t value, Parameters& parameters, ShaperSettings& shaper, uint32_t& in_force) {
   const size_t index = stored_at(key);
   if (index == kNoParameter) return parameters.note_refusal(kReasonNotAvailable, static_cast<uint16_t>(key));
-  const Parameter parameter = kParameters[index];
+  Parameter parameter = kParameters[index];
+  // That is for clients: the auto-tune may have found a lower mode.
+  if (parameter.unused_or_more()) parameter.allowed = 0;
   uint32_t accepted = 0;
   if (!in_range(parameter, parameter.maximum, value, accepted)) {
     parameters.note_out_of_range(parameter.name, value, accepted);

@@ -96,7 +96,7 @@ constexpr Entry under(R ceiling, Entry parameter) {
 constexpr Entry mode(uint32_t index, uint32_t offset) {
   const auto name = static_cast<R>(address_of(R::kFirstMode) + kModeStride * index + offset);
   switch (static_cast<ModeField>(offset)) {
-    case ModeField::kFrequency: return value(name, T::kU32, 0, 0, 3000000, 0, "mode frequency", "1e-4 Hz");
+    case ModeField::kFrequency: return value(name, T::kU32, 0, 0, 3000000, 0, "mode frequency", "1e-4 Hz", 5000);
     case ModeField::kDamping: return value(name, T::kU16, 0, 0, 30000, 0, "mode damping ratio", "1e-5");
     case ModeField::kTolerance: return value(name, T::kU16, 0, 0, 2000, 0, "mode tolerance", "0.01 %");
     case ModeField::kKind: return value(name, T::kU16, 0, 0, 13, 0, "mode shaper type", "");

@@ -28,6 +28,10 @@ bool in_range(const Parameter& parameter, uint32_t ceiling, uint32_t value, uint
     accepted = ceiling;
     return false;
   }
+  if (parameter.unused_or_more()) {
+    if (value != 0 && value < parameter.allowed) accepted = parameter.allowed;
+    return accepted == value;
+  }
   const uint32_t above = value - parameter.minimum;
   return parameter.allowed == 0 || (above < 32 && ((parameter.allowed >> above) & 1U) != 0);
 }
