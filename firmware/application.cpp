@@ -62,10 +62,7 @@ void Application::serve() {
   drive_.service();
   tuner_.keep_watch(keeper_.busy());
   faults_.follow(drive_.loop(), uptime_ms);
-  if (client_.poll(now)) {
-    loop_.note_client();
-    server_.serve(client_);
-  }
+  if (client_.poll(now) && server_.serve(client_)) loop_.note_client();
 }
 
 void Application::serve_meanwhile(void* application) {

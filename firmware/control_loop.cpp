@@ -119,6 +119,7 @@ void ControlLoop::home_if_asked() {
   const Signal shift = wrapping_difference(state_.axis.setpoint, here);
   home_ = wrapping_sum(home_, shift);
   state_.position = wrapping_difference(state_.position, shift);
+  feedback_watch_.restart();
   axis_->reset(here);
 }
 

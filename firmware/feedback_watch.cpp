@@ -39,17 +39,31 @@ FaultCode FeedbackWatch::look(Signal setpoint, Signal position, Signal change, b
   const uint32_t window = load(following_window_);
   const bool lags = window != 0 && exceeds(wrapping_difference(setpoint, position), window);
   if (lasts(lags, allowed, lagging_)) return FaultCode::kFollowingError;
+  const bool beyond = is_beyond(static_cast<int32_t>(position >> kSignalFractionBits));
+  return lasts(beyond, allowed, beyond_) ? FaultCode::kPositionLimit : FaultCode::kNone;
+}
+
+bool FeedbackWatch::is_beyond(int32_t counts) {
   const auto low = static_cast<int32_t>(load(low_));
   const auto high = static_cast<int32_t>(load(high_));
-  const int64_t margin = load(margin_);
-  const int64_t counts = position >> kSignalFractionBits;
-  const bool beyond = low < high && (counts < low - margin || counts > high + margin);
-  return lasts(beyond, allowed, beyond_) ? FaultCode::kPositionLimit : FaultCode::kNone;
+  FeedbackLimits limits = {0, 0, 0, low, high, load(margin_)};
+  const bool outside = limits.passed_by(counts);
+  if (!outside || !begun_ || low != low_seen_ || high != high_seen_) {
+    begun_ = true;
+    low_seen_ = low;
+    high_seen_ = high;
+    lowest_ = outside && counts < low ? counts : low;
+    highest_ = outside && counts > high ? counts : high;
+  }
+  limits.low = lowest_;
+  limits.high = highest_;
+  return limits.passed_by(counts);
 }
 
 void FeedbackWatch::restart() {
   lagging_ = 0;
   beyond_ = 0;
+  begun_ = false;
 }
 
 }  // namespace stillpoint::firmware

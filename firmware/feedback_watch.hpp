@@ -9,6 +9,10 @@
 
 namespace stillpoint::firmware {
 
+// Counts beyond a soft limit that an axis which stands at it may flicker by. The position window (0070), which no key
+// protects, can make it less and not more: it would else put the limits off.
+constexpr uint32_t kMostLimitMargin = 100;
+
 // Each is off at 0, the position limits where low >= high. Counts, and ticks in a row.
 struct FeedbackLimits {
   uint32_t following_window;  // half its width, around the shaped demand
@@ -17,9 +21,16 @@ struct FeedbackLimits {
   int32_t low;                // of the position
   int32_t high;
   uint32_t margin;  // beyond low and high
+
+  bool passed_by(int32_t counts) const {
+    return low < high && (counts < int64_t{low} - margin || counts > int64_t{high} + margin);
+  }
 };
 
 // Tick context, but for `set`. Zero-initialised it watches nothing.
+//
+// A soft limit is one that is passed outwards. Where the position is outside already when it is looked at first, or
+// when the limits change, it may stay, come back, and until it is inside again be as far out as it was then.
 class FeedbackWatch {
  public:
   // Background. Each limit takes effect by itself, at any tick from here on.
@@ -29,10 +40,12 @@ class FeedbackWatch {
   // `neighbours` false where that is missing. The first fault that applies, or kNone.
   FaultCode look(Signal setpoint, Signal position, Signal change, bool neighbours);
 
-  // As if it had begun anew: for enabling.
+  // As if it had begun anew: for enabling, and where positions are counted anew.
   void restart();
 
  private:
+  bool is_beyond(int32_t counts);
+
   // Background's, one word each.
   uint32_t following_window_ = 0;
   uint32_t ticks_ = 0;
@@ -44,6 +57,12 @@ class FeedbackWatch {
   // Ticks in a row outside.
   uint32_t lagging_ = 0;
   uint32_t beyond_ = 0;
+  // Positions that may not be passed, and the limits that they are of.
+  bool begun_ = false;
+  int32_t lowest_ = 0;
+  int32_t highest_ = 0;
+  int32_t low_seen_ = 0;
+  int32_t high_seen_ = 0;
 };
 
 }  // namespace stillpoint::firmware

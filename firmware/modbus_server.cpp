@@ -20,25 +20,26 @@ void put_registers(Exchange& exchange, uint32_t count) {
 
 }  // namespace
 
-void ModbusServer::serve(RtuPort& line) {
+bool ModbusServer::serve(RtuPort& line) {
   Exchange exchange = {line.request(), line.request_length(), line.response(), 0, {}};
   to_all_ = line.broadcast();
-  const ModbusException refused = execute(line, exchange);
+  const bool acts = !diagnostics_.listen_only() || modbus::Diagnostics::restarts(exchange);
+  const ModbusException refused = acts ? execute(line, exchange) : ModbusException::kNone;
   if (refused != ModbusException::kNone) {
     exchange.response[0] = static_cast<uint8_t>(exchange.request[0] | modbus::kExceptionBit);
     exchange.response[1] = static_cast<uint8_t>(refused);
     exchange.written = 2;
   }
   line.reply(exchange.written);
+  return acts;
 }
 
 ModbusException ModbusServer::execute(const RtuPort& line, Exchange& exchange) {
-  if (diagnostics_.listen_only() && !modbus::Diagnostics::restarts(exchange)) return ModbusException::kNone;
   switch (exchange.request[0]) {
     case modbus::kReadHolding:
     case modbus::kReadInput: return read(exchange);
     case modbus::kWriteSingle: return write_single(exchange);
-    case modbus::kDiagnostics: return diagnostics_.execute(line.counters(), exchange);
+    case modbus::kDiagnostics: return diagnose(line, exchange);
     case modbus::kWriteMultiple: return write_multiple(exchange);
     case modbus::kMaskWrite: return mask_write(exchange);
     case modbus::kReadWriteMultiple: return read_write(exchange);
@@ -47,9 +48,18 @@ ModbusException ModbusServer::execute(const RtuPort& line, Exchange& exchange) {
   }
 }
 
-ModbusException ModbusServer::write(uint16_t first, uint32_t count, const uint8_t* bytes, uint16_t* words) {
+// An axis that nobody can stop does not run on: it listens only while the drive is disabled.
+ModbusException ModbusServer::diagnose(const RtuPort& line, Exchange& exchange) {
+  const ModbusException refused =
+      modbus::Diagnostics::silences(exchange) ? registers_->check_disabled() : ModbusException::kNone;
+  return refused == ModbusException::kNone ? diagnostics_.execute(line.counters(), exchange) : refused;
+}
+
+ModbusException ModbusServer::write(uint16_t first, uint32_t count, const uint8_t* bytes, uint16_t* words,
+                                    uint16_t before_read) {
   for (uint32_t i = 0; i < count; ++i) words[i] = word_at(bytes + 2 * i);
-  return to_all_ ? registers_->write_from_all(first, count, words) : registers_->write(first, count, words);
+  return to_all_ ? registers_->write_from_all(first, count, words)
+                 : registers_->write(first, count, words, before_read);
 }
 
 ModbusException ModbusServer::read(Exchange& exchange) {
@@ -102,7 +112,8 @@ ModbusException ModbusServer::read_write(Exchange& exchange) {
   if (request[9] != 2 * written || exchange.length != 10 + 2 * written) return ModbusException::kIllegalValue;
   // Once to know that it can be read, before anything is written.
   ModbusException refused = registers_->read(first, count, exchange.words);
-  if (refused == ModbusException::kNone) refused = write(word_at(request + 5), written, request + 10, exchange.words);
+  if (refused == ModbusException::kNone)
+    refused = write(word_at(request + 5), written, request + 10, exchange.words, first);
   if (refused == ModbusException::kNone) refused = registers_->read(first, count, exchange.words);
   if (refused == ModbusException::kNone) put_registers(exchange, count);
   return refused;

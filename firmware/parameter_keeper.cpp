@@ -16,13 +16,15 @@ void ParameterKeeper::begin(const RegisterBank::Parts& parts, RegisterBank& regi
 void ParameterKeeper::load() {
   Parameters& parameters = *parts_.parameters;
   const Loaded loaded = store_.load(parameters, *parts_.shaper);
-  if (loaded == Loaded::kUnknownVersion) parameters.note_refusal(kReasonImageVersion, 0);
+  if (loaded == Loaded::kUnknownVersion || loaded == Loaded::kOlderImage)
+    parameters.note_refusal(kReasonImageVersion, 0);
   if (loaded == Loaded::kBad) {
     parameters.note_refusal(kReasonImageBad, 0);
     parts_.loop->request_fault(FaultCode::kParametersBad);
   }
-  if (loaded != Loaded::kImage) return;
-  parameters.lower_to_ceilings();
+  if (loaded != Loaded::kImage && loaded != Loaded::kOlderImage) return;
+  const Register lowered = parameters.lower_to_ceilings();
+  if (lowered != kNoRegister) parameters.note_refusal(kReasonOutOfRange, address_of(lowered), parameters.get(lowered));
   const Status status = registers_->take_parameters();
   if (status.ok()) return;
   // Limits that this axis does not take: all of them are the delivered ones.

@@ -32,6 +32,8 @@ class ParameterKeeper {
   uint16_t refusal(CommandKey key) const;
   void request(CommandKey key, uint32_t uptime_ms);
   bool busy() const { return busy_; }
+  // In switch-on disabled, ready or fault, and the output stage off.
+  bool disabled() const;
 
   // As often as possible, when there is time: an erase may take seconds.
   void service(uint32_t uptime_ms);
@@ -40,7 +42,6 @@ class ParameterKeeper {
   void load();
   uint16_t execute();
   uint16_t load_defaults();
-  bool disabled() const;
 
   RegisterBank::Parts parts_ = {};
   RegisterBank* registers_ = nullptr;

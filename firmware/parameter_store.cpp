@@ -6,7 +6,6 @@
 namespace stillpoint::firmware {
 namespace {
 
-constexpr size_t kPages = 2;
 constexpr uint32_t kHeaderWords = 3;
 constexpr uint32_t kKeyOfSetInForce = ShaperSettings::kSetInForce << 16 | address_of(Register::kShaperSet);
 
@@ -39,18 +38,30 @@ void put_parameters(const Parameters& parameters, const ShaperSettings& shaper, 
   writer.put(shaper.set_in_force());
 }
 
-void take_entry(uint32_t key, uint32_t value, Parameters& parameters, ShaperSettings& shaper, uint32_t& in_force) {
+// The register of `key` that an image can have, or kNoParameter.
+size_t stored_at(uint32_t key) {
   const size_t index = find_parameter(static_cast<uint16_t>(key));
-  const uint32_t set = key >> 16;
-  if (key == kKeyOfSetInForce && value < kShaperSets) in_force = value;
-  if (index == kNoParameter || set > kShaperSets) return;
+  if (index == kNoParameter) return index;
   const Parameter parameter = kParameters[index];
+  const bool known = stored(parameter) && address_of(parameter.name) == (key & 0xFFFFU) &&
+                     key >> 16 <= (of_shaper_set(parameter) ? kShaperSets : 0);
+  return known || key == kKeyOfSetInForce ? index : kNoParameter;
+}
+
+void take_entry(uint32_t key, uint32_t value, Parameters& parameters, ShaperSettings& shaper, uint32_t& in_force) {
+  const size_t index = stored_at(key);
+  if (index == kNoParameter) return parameters.note_refusal(kReasonNotAvailable, static_cast<uint16_t>(key));
+  Parameter parameter = kParameters[index];
+  // That is for clients: the auto-tune may have found a lower mode.
+  if (parameter.unused_or_more()) parameter.allowed = 0;
   uint32_t accepted = 0;
-  if (address_of(parameter.name) != (key & 0xFFFFU) || !stored(parameter)) return;
-  if (!in_range(parameter, parameter.maximum, value, accepted)) return;
-  if (of_shaper_set(parameter)) {
-    shaper.stage(set, parameter.name, value);
-  } else if (set == 0) {
+  if (!in_range(parameter, parameter.maximum, value, accepted)) {
+    parameters.note_out_of_range(parameter.name, value, accepted);
+  } else if (key == kKeyOfSetInForce) {
+    in_force = value;
+  } else if (of_shaper_set(parameter)) {
+    shaper.stage(key >> 16, parameter.name, value);
+  } else {
     parameters.set_value(index, value);
   }
 }
@@ -97,22 +108,22 @@ ParameterStore::Header ParameterStore::inspect(size_t page) const {
   return header;
 }
 
+// The image that a start takes, or else the newest whole one: what must outlive a save. Any, where none is whole.
+size_t ParameterStore::page_to_keep(const Header (&images)[kPages]) {
+  const bool known[kPages] = {images[0].known(), images[1].known()};
+  const bool whole[kPages] = {images[0].whole, images[1].whole};
+  if (known[0] != known[1]) return known[0] ? 0 : 1;
+  if (whole[0] != whole[1]) return whole[0] ? 0 : 1;
+  return newer(images[0].sequence, images[1].sequence) ? 0 : 1;
+}
+
 Loaded ParameterStore::load(Parameters& parameters, ShaperSettings& shaper) const {
-  Loaded result = Loaded::kNothing;
-  size_t best = kPages;
-  Header newest = {};
-  for (size_t page = 0; page < kPages; ++page) {
-    const Header header = inspect(page);
-    if (header.magic != 0 && result == Loaded::kNothing) result = Loaded::kBad;
-    if (!header.whole) continue;
-    if (header.version() != kImageVersion) {
-      result = Loaded::kUnknownVersion;
-    } else if (best == kPages || newer(header.sequence, newest.sequence)) {
-      best = page;
-      newest = header;
-    }
-  }
-  if (best == kPages) return result;
+  const Header images[kPages] = {inspect(0), inspect(1)};
+  const size_t best = page_to_keep(images);
+  const Header& newest = images[best];
+  const Header& other = images[1 - best];
+  if (newest.whole && !newest.known()) return Loaded::kUnknownVersion;
+  if (!newest.whole) return newest.magic != 0 || other.magic != 0 ? Loaded::kBad : Loaded::kNothing;
   uint32_t key = 0;
   uint32_t value = 0;
   uint32_t in_force = 0;
@@ -120,15 +131,15 @@ Loaded ParameterStore::load(Parameters& parameters, ShaperSettings& shaper) cons
     if (word_at(best, i, key) && word_at(best, i + 1, value)) take_entry(key, value, parameters, shaper, in_force);
   }
   shaper.restore(in_force);
-  return Loaded::kImage;
+  return other.whole && newer(other.sequence, newest.sequence) ? Loaded::kOlderImage : Loaded::kImage;
 }
 
 bool ParameterStore::save(const Parameters& parameters, const ShaperSettings& shaper) {
   if (memory_ == nullptr || memory_->page_count() < kPages) return false;
   const Header images[kPages] = {inspect(0), inspect(1)};
-  const bool keep_first = images[0].whole && (!images[1].whole || newer(images[0].sequence, images[1].sequence));
-  const size_t page = keep_first ? 1 : 0;
-  const uint32_t sequence = images[0].whole || images[1].whole ? images[1 - page].sequence + 1 : 0;
+  const size_t kept = page_to_keep(images);
+  const size_t page = 1 - kept;
+  const uint32_t sequence = images[kept].whole ? images[kept].sequence + 1 : 0;
   Writer count = {};
   put_parameters(parameters, shaper, count);
   if (4 * (kHeaderWords + count.words + 1) > memory_->page_bytes() || !memory_->erase(page)) return false;

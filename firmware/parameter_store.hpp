@@ -7,11 +7,11 @@
 // set, 0 with all others. What the shaper in force was made from, or one that could not be restored (see
 // ShaperSettings::restoring), is there once more as set 8, with the number of its own set as 0101; without a shaper it
 // is left out. So a firmware with more parameters reads the image of one with fewer and has its defaults for the rest;
-// an address that it does not know, or a value that it no longer accepts, it leaves out.
+// an address that it does not know, or a value that it no longer accepts, it leaves out; 0012 names the last of them.
 //
-// A save goes to the page that does not hold the newest whole image, and counts from its last word, the CRC, on: a
-// power cut before leaves the old set, after it the new one. (A cut *in* that word: the new one if the word can be read
-// as it should be, else the old one.)
+// A save goes to the page that does not hold the image in force, the newest whole one of a known version, and counts
+// from its last word, the CRC, on: a power cut before leaves the old set, after it the new one. (A cut *in* that word:
+// the new one if the word can be read as it should be, else the old one.)
 #pragma once
 
 #include <stdint.h>
@@ -28,6 +28,7 @@ constexpr uint16_t kImageVersion = 1;
 enum class Loaded : uint8_t {
   kNothing,         // nothing has ever been saved, or there is no memory: the defaults stay
   kImage,           // the newest whole image; after a cut that is the old one
+  kOlderImage,      // that, but one saved after it is there, of a version that this firmware does not know
   kUnknownVersion,  // none is loaded: whole ones are there, but of versions that this firmware does not know
   kBad,             // none is loaded: none is whole, though at least one was begun
 };
@@ -46,23 +47,27 @@ class ParameterStore {
 
   // Puts the image's values over those in force, each within its own range; limits among parameters are the caller's to
   // check. What was in force when it was saved is asked for again (ShaperSettings::restore). An image of an unknown
-  // version is passed over for an older one that is known, and erased only in its turn.
+  // version is passed over for one that is known, also an older one, and is what the next save overwrites then: it
+  // cannot be kept beside both the set in force and the one that is being written.
   Loaded load(Parameters& parameters, ShaperSettings& shaper) const;
 
   // True when the set is stored and reads back whole. False: the old one still counts. May take seconds.
   bool save(const Parameters& parameters, const ShaperSettings& shaper);
 
  private:
+  static constexpr size_t kPages = 2;
+
   struct Header {
     uint32_t magic;
     uint32_t kind;  // version and payload words
     uint32_t sequence;
     bool whole;
 
-    uint32_t version() const { return kind >> 16; }
+    bool known() const { return whole && kind >> 16 == kImageVersion; }
     uint32_t payload_words() const { return kind & 0xFFFFU; }
   };
 
+  static size_t page_to_keep(const Header (&images)[kPages]);
   bool word_at(size_t page, uint32_t index, uint32_t& word) const;
   Header inspect(size_t page) const;
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "firmware/default_axis.hpp"
+#include "firmware/feedback_watch.hpp"
 #include "firmware/line_settings.hpp"
 #include "firmware/parameters.hpp"
 #include "firmware/position_stream.hpp"
@@ -95,7 +96,7 @@ constexpr Entry under(R ceiling, Entry parameter) {
 constexpr Entry mode(uint32_t index, uint32_t offset) {
   const auto name = static_cast<R>(address_of(R::kFirstMode) + kModeStride * index + offset);
   switch (static_cast<ModeField>(offset)) {
-    case ModeField::kFrequency: return value(name, T::kU32, 0, 0, 3000000, 0, "mode frequency", "1e-4 Hz");
+    case ModeField::kFrequency: return value(name, T::kU32, 0, 0, 3000000, 0, "mode frequency", "1e-4 Hz", 5000);
     case ModeField::kDamping: return value(name, T::kU16, 0, 0, 30000, 0, "mode damping ratio", "1e-5");
     case ModeField::kTolerance: return value(name, T::kU16, 0, 0, 2000, 0, "mode tolerance", "0.01 %");
     case ModeField::kKind: return value(name, T::kU16, 0, 0, 13, 0, "mode shaper type", "");
@@ -140,7 +141,9 @@ constexpr Entry kTable[kParameterCount] = {
     shown(R::kWordOrderProbe, T::kU32, 0, kWordOrderProbe, "word-order probe"),
     shown(R::kSupportedModes, T::kU32, 0x6502, kSupportedModes, "supported modes", "bits"),
     shown(R::kErrorCode, T::kU16, 0x603F, 0, "error code"),
-    shown(R::kWarnings, T::kU16, 0, 0, "warnings", "bits"),
+    shown(R::kWarnings, T::kU16, 0, 0,
+          "warnings (1 feedback missing, 2 servo link silent, 4 saved shaper not in force, 8 beyond a soft limit)",
+          "bits"),
     shown(R::kRefusalReason, T::kU16, 0, 0, "last refusal: reason"),
     shown(R::kRefusedRegister, T::kU16, 0, 0, "last refusal: register"),
     command(R::kCommandKey, kU16Max, kAny, Effect::kCommandKey, "command key"),
@@ -186,7 +189,9 @@ constexpr Entry kTable[kParameterCount] = {
          locked(value(R::kFollowingErrorWindow, T::kU32, 0x6065, 0, kU32Max, 0, "following-error window", "counts"))),
     with(Effect::kWatch,
          locked(value(R::kFollowingErrorTimeMs, T::kU16, 0x6066, 0, kU16Max, 10, "following-error time", "ms"))),
-    with(Effect::kWatch, value(R::kPositionWindow, T::kU32, 0x6067, 0, kU32Max, 100, "position window", "counts")),
+    with(Effect::kWatch, value(R::kPositionWindow, T::kU32, 0x6067, 0, kU32Max, kMostLimitMargin,
+                               "position window (up to 100 also what the position may be beyond a soft limit)",
+                               "counts")),
     value(R::kPositionTimeMs, T::kU16, 0x6068, 0, kU16Max, 20, "position window time", "ms"),
     // Low at or above high: none.
     soft_limit(R::kSoftLimitLow, "soft limit low"),

@@ -28,6 +28,10 @@ bool in_range(const Parameter& parameter, uint32_t ceiling, uint32_t value, uint
     accepted = ceiling;
     return false;
   }
+  if (parameter.unused_or_more()) {
+    if (value != 0 && value < parameter.allowed) accepted = parameter.allowed;
+    return accepted == value;
+  }
   const uint32_t above = value - parameter.minimum;
   return parameter.allowed == 0 || (above < 32 && ((parameter.allowed >> above) & 1U) != 0);
 }
@@ -42,13 +46,17 @@ void Parameters::set(Register name, uint32_t value) { values_[find_parameter(add
 
 void Parameters::adopt_one(Register name, double value) { set(name, whole_register(value)); }
 
-void Parameters::lower_to_ceilings() {
+Register Parameters::lower_to_ceilings() {
+  Register lowered = kNoRegister;
   for (size_t i = 0; i < kParameterCount; ++i) {
     const Parameter parameter = kParameters[i];
     if (parameter.ceiling == kNoRegister || parameter.effect == Effect::kAxisLimits) continue;
     const uint32_t ceiling = get(parameter.ceiling);
-    if (values_[i] > ceiling) values_[i] = ceiling;
+    if (values_[i] <= ceiling) continue;
+    values_[i] = ceiling;
+    lowered = parameter.name;
   }
+  return lowered;
 }
 
 void Parameters::adopt(const AxisConfig& config) {
@@ -67,6 +75,11 @@ void Parameters::note_refusal(uint16_t reason, uint16_t culprit, uint32_t accept
   set(Register::kRefusalReason, reason);
   set(Register::kRefusedRegister, culprit);
   set(Register::kRefusalAccepted, accepted);
+}
+
+void Parameters::note_out_of_range(Register culprit, uint32_t value, uint32_t accepted) {
+  const bool available = accepted != value;
+  note_refusal(available ? kReasonOutOfRange : kReasonNotAvailable, address_of(culprit), available ? accepted : 0);
 }
 
 }  // namespace stillpoint::firmware

@@ -42,10 +42,13 @@ struct Parameter {
   uint32_t minimum;  // these three are the type's own bits
   uint32_t maximum;
   uint32_t initial;
-  uint32_t allowed;  // bit v: minimum + v is a value that this firmware can do; 0: all in the range are
+  // Bit v: minimum + v is a value that this firmware can do; 0: all in the range are. Of a range of more than 32
+  // values: besides 0, for unused, those from this one on.
+  uint32_t allowed;
 
   constexpr uint32_t words() const { return type == Type::kU32 || type == Type::kI32 ? 2 : 1; }
   constexpr bool is_signed() const { return type == Type::kI16 || type == Type::kI32; }
+  constexpr bool unused_or_more() const { return allowed != 0 && maximum - minimum >= 32; }
   constexpr bool readable() const { return access != Access::kWrite; }
   constexpr bool writable() const { return access != Access::kRead; }
 };
@@ -91,7 +94,8 @@ size_t find_parameter(uint16_t address);
 const ParameterText& text_of(const Parameter& parameter);
 
 // Whether `value` (the type's bits; a 16-bit signed one sign-extended) lies in [minimum, ceiling] and is allowed;
-// otherwise `accepted` is the nearest bound, or `value` itself where a value within the bounds is not available.
+// otherwise `accepted` is the nearest bound (the least that is used, where 0 is unused), or `value` itself where a
+// value within the bounds is not available.
 bool in_range(const Parameter& parameter, uint32_t ceiling, uint32_t value, uint32_t& accepted);
 
 // The values. Background only. Zero-initialised storage is valid; load_defaults makes it meaningful.
@@ -102,7 +106,8 @@ class Parameters {
   void adopt(const AxisConfig& config);
 
   // Lowers what a move may ask for to what the axis may: every parameter with a ceiling that is no limit itself.
-  void lower_to_ceilings();
+  // One that was above it, or kNoRegister.
+  Register lower_to_ceilings();
 
   uint32_t value(size_t index) const { return values_[index]; }
   void set_value(size_t index, uint32_t value) { values_[index] = value; }
@@ -114,6 +119,8 @@ class Parameters {
 
   // Registers 0012, 0013 and 0016: why something was not done. `accepted` is in the unit of `culprit`, 0 for none.
   void note_refusal(uint16_t reason, uint16_t culprit, uint32_t accepted = 0);
+  // As in_range refuses it.
+  void note_out_of_range(Register culprit, uint32_t value, uint32_t accepted);
 
  private:
   void adopt_one(Register name, double value);

@@ -6,6 +6,7 @@
 
 #include "firmware/drive.hpp"
 #include "firmware/fault_log.hpp"
+#include "firmware/feedback_watch.hpp"
 #include "firmware/modbus_pdu.hpp"
 #include "firmware/parameters.hpp"
 #include "firmware/position_stream.hpp"
@@ -54,14 +55,18 @@ class RegisterBank {
   void set_uptime(uint32_t uptime_ms);
 
   // Everything read in one request belongs to one tick, the one that Drive::service saw last. Write-only registers
-  // read 0. The scope's window is refused with 06 until its record is full.
+  // read 0. The scope's window is refused with 06 until its record is full; 0301 says what it is at, 0012 stays.
   ModbusException read(uint16_t first, uint32_t count, uint16_t* words);
-  ModbusException write(uint16_t first, uint32_t count, const uint16_t* words);
+  // `before_read`: the one of the same request that comes after it, at that address, must still be possible.
+  ModbusException write(uint16_t first, uint32_t count, const uint16_t* words, uint16_t before_read = 0);
 
   // A write that every drive on the line was told. It can stop motion and never start it: a controlword may not ask for
   // a set-point, nor for operation unless it is enabled already and is halted; while it is enabled nothing else may be
   // written at all. Refused with 06.
   ModbusException write_from_all(uint16_t first, uint32_t count, const uint16_t* words);
+
+  // 06, as a state refuses a write, unless the drive is disabled (see ParameterKeeper).
+  ModbusException check_disabled();
 
   uint32_t ticks_per_second() const { return ticks_per_second_; }
 
@@ -69,6 +74,7 @@ class RegisterBank {
   struct Request;
 
   ModbusException write_stream(const Request& request);
+  FeedbackLimits position_limits() const;
   uint32_t ticks_of(uint32_t ms) const;
   uint32_t most_per_tick(uint32_t velocity) const;
   uint16_t word_at(uint16_t address) const;

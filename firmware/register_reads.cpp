@@ -37,8 +37,7 @@ ModbusException RegisterBank::read(uint16_t first, uint32_t count, uint16_t* wor
       return ModbusException::kIllegalAddress;
     }
   }
-  if (window_at(first) == Window::kScope && !parts_.scope->full())
-    return refuse_state(kReasonNothingToDo, static_cast<Register>(first));
+  if (window_at(first) == Window::kScope && !parts_.scope->full()) return ModbusException::kDeviceBusy;
   refresh();
   parts_.scope->show();
   const bool of_tuning =
@@ -53,6 +52,9 @@ void RegisterBank::refresh() {
   uint32_t warnings = loop.feedback_valid ? 0 : kWarningFeedbackMissing;
   if (loop.link_silent) warnings |= kWarningLinkSilent;
   if (parts_.shaper->restoring()) warnings |= kWarningNotRestored;
+  const bool beyond = position_limits().passed_by(counts_from_signal(loop.position));
+  if (beyond) warnings |= kWarningBeyondLimit;
+  const uint32_t shown_bits = (warnings != 0 ? kStatusWarning : 0U) | (beyond ? kStatusInternalLimit : 0U);
   Parameters& parameters = *parts_.parameters;
   parameters.set(Register::kUptimeMs, uptime_ms_);
   parameters.set(Register::kErrorCode, static_cast<uint32_t>(loop.fault));
@@ -61,7 +63,7 @@ void RegisterBank::refresh() {
   parameters.set(Register::kServoMissing, loop.missing);
   parameters.set(Register::kServoLinkLosses, loop.link_losses);
   parameters.set(Register::kTickOverruns, loop.overruns);
-  parameters.set(Register::kStatusword, parts_.drive->statusword() | (warnings != 0 ? kStatusWarning : 0U));
+  parameters.set(Register::kStatusword, parts_.drive->statusword() | shown_bits);
   const auto buffered = static_cast<uint32_t>(parts_.stream->buffered());
   parameters.set(Register::kStreamBuffered, buffered);
   parameters.set(Register::kStreamRoom, kStreamPositions - buffered);

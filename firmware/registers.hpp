@@ -259,7 +259,7 @@ enum class FaultCode : uint16_t {
   kClientSilent = 0x8100,        // communication: no request within the time of 0023
   kLinkSilent = 0x8130,          // heartbeat: no servo tick for 100 ms of the own timer; a host that is too slow
   kFollowingError = 0x8611,      // the position left its window around the shaped demand for too long
-  kPositionLimit = 0x8612,       // reference limit: the position is beyond a soft limit
+  kPositionLimit = 0x8612,       // reference limit: the position passed a soft limit outwards
   kStreamLimit = 0xFF01,         // a streamed position broke the limits, and 0089 asks for a fault then
 };
 
@@ -271,6 +271,7 @@ enum class StopOption : uint16_t { kOff, kRamp, kQuick, kRampAndStay = 5, kQuick
 constexpr uint16_t kWarningFeedbackMissing = 0x0001;  // the newest feedback was lost or invalid
 constexpr uint16_t kWarningLinkSilent = 0x0002;       // no servo tick for 100 ms
 constexpr uint16_t kWarningNotRestored = 0x0004;      // the shaper that was saved is not in force: not yet, or refused
+constexpr uint16_t kWarningBeyondLimit = 0x0008;      // the position is beyond a soft limit
 
 // 0012. The shaper's own refusals are its error in the high byte and the quantity in the low byte; what the drive
 // itself refuses has bit 15 set.
@@ -286,11 +287,12 @@ constexpr uint16_t kReasonOutOfRange = 0x8500;    // exception 03: 0016 has the 
 constexpr uint16_t kReasonBroadcast = 0x8700;     // all drives were told; only each by itself can be
 constexpr uint16_t kReasonNotDisabled = 0x8800;   // only while the drive is disabled
 constexpr uint16_t kReasonFlashSilent = 0x8900;   // the flash does not respond, or there is none
-constexpr uint16_t kReasonImageVersion = 0x8A00;  // at the start: parameters stored by an unknown, newer firmware
+constexpr uint16_t kReasonImageVersion = 0x8A00;  // at the start: parameters stored later by an unknown, newer firmware
 constexpr uint16_t kReasonImageBad = 0x8A01;      // at the start: no stored parameters are whole
 constexpr uint16_t kReasonNotEnabled = 0x9000;    // only in operation enabled
 constexpr uint16_t kReasonTuning = 0x9100;        // the auto-tune has the axis
-constexpr uint16_t kReasonNothingToDo = 0x9200;   // nothing to accept or undo (auto-tune), to trigger or read (scope)
+constexpr uint16_t kReasonNothingToDo =
+    0x9200;  // nothing to accept or undo (auto-tune), to trigger or, then, to read (scope)
 
 constexpr uint16_t reason_of(Error error, Quantity quantity) {
   return static_cast<uint16_t>((static_cast<uint32_t>(error) << 8) | static_cast<uint32_t>(quantity));

@@ -30,7 +30,8 @@ constexpr uint16_t kStatusVoltageEnabled = 1U << 4;
 constexpr uint16_t kStatusWarning = 1U << 7;
 constexpr uint16_t kStatusRemote = 1U << 9;
 constexpr uint16_t kStatusTargetReached = 1U << 10;
-constexpr uint16_t kStatusInternalLimit = 1U << 11;  // a soft limit holds what should move at a velocity
+// A soft limit holds what should move at a velocity, or the position is beyond one.
+constexpr uint16_t kStatusInternalLimit = 1U << 11;
 // Bit 12 by mode: the set-point is taken, the velocity is 0, home is known, the stream is followed. Bit 13:
 // the position has left its window for its time (6065h, 6066h), which is a fault here, until that is reset; homing
 // failed.

@@ -16,11 +16,13 @@ constexpr double kPercent = 1e2;
 constexpr double kMsPerSecond = 1e3;
 constexpr double kUsPerSecond = 1e6;
 
-// Where the move goes: upwards unless it would pass a soft limit that it would not pass downwards.
-double target_of(const AxisConfig& config, double from, double amplitude) {
-  const double below = from - amplitude;
-  if (!config.has_soft_limits() || from + amplitude <= config.soft_high_counts) return from + amplitude;
-  return below >= config.soft_low_counts ? below : from + amplitude;
+// Where the move goes: upwards unless it would pass a soft limit that it would not pass downwards. The furthest whole
+// count within `amplitude`, as an axis may stand between two.
+double target_of(const AxisConfig& config, Signal from, double amplitude) {
+  const double above = static_cast<double>(from >> kSignalFractionBits) + amplitude;
+  const double below = static_cast<double>(wrapping_sum(from, kSignalPerCount - 1) >> kSignalFractionBits) - amplitude;
+  const bool turns = config.has_soft_limits() && above > config.soft_high_counts && below >= config.soft_low_counts;
+  return turns ? below : above;
 }
 
 }  // namespace
@@ -65,9 +67,10 @@ uint16_t TuneSettings::reason_against(TuneCommand command) const {
 }
 
 Status TuneSettings::start(const Parameters& staged, uint32_t now_ms) {
-  from_counts_ = counts_from_signal(parts_.drive->loop().axis.demand);
+  const Signal from = parts_.drive->loop().axis.demand;
+  from_counts_ = counts_from_signal(from);
   const double amplitude = staged.get(Register::kTuneAmplitude);
-  const double target = target_of(parts_.axis->config(), from_counts_, amplitude);
+  const double target = target_of(parts_.axis->config(), from, amplitude);
   const double room = target > from_counts_ ? kMaxPositionCounts - from_counts_ : from_counts_ - kMinPositionCounts;
   if (amplitude > room) return refuse(Error::kAboveMaximum, Quantity::kAmplitude, amplitude, room);
   TuneConfig config = {};

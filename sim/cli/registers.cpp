@@ -40,6 +40,7 @@ std::string range_text(const Parameter& parameter) {
   if (parameter.ceiling != firmware::kNoRegister) {
     return fmt::format("{} to {:04X}", low, firmware::address_of(parameter.ceiling));
   }
+  if (parameter.unused_or_more()) return fmt::format("0, {} to {}", parameter.allowed, parameter.maximum);
   if (parameter.allowed == 0) return fmt::format("{} to {}", low, number(parameter, parameter.maximum));
   std::string text;
   for (uint32_t bit = 0; bit < 32; ++bit) {

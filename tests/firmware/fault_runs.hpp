@@ -44,6 +44,7 @@ class FaultRun {
   static constexpr double kQuickDeceleration = 1e8;  // counts/s^2, as delivered
   static constexpr double kQuickJerk = 1e11;         // counts/s^3
   static constexpr uint32_t kClientMs = 100;
+  static constexpr int32_t kLimit = 1 << 22;  // counts, either way
 
   static std::vector<uint16_t> words(std::initializer_list<uint32_t> values) {
     std::vector<uint16_t> all;
@@ -58,7 +59,7 @@ class FaultRun {
     drive_.unlock();
     TEST_ASSERT_EQUAL_UINT32(0, drive_.write_wide(0x006C, 20000));
     TEST_ASSERT_EQUAL_UINT32(0, drive_.write_single(0x006E, 5));
-    TEST_ASSERT_EQUAL_UINT32(0, drive_.write(0x0074, {0xFFC0, 0, 0x0040, 0}));  // -+ 2^22
+    TEST_ASSERT_EQUAL_UINT32(0, drive_.write(0x0074, {0xFFC0, 0, 0x0040, 0}));  // -+ kLimit
     TEST_ASSERT_EQUAL_UINT32(0, drive_.write_single(0x0079, option_));
     shaped_ = random_.integer(0, 1) != 0;
     TEST_ASSERT_EQUAL_UINT32(0, drive_.write(0x0102, {0x0001, 0xADB0, 11000, 0, 1, 0}));  // ZV, 11 Hz, 0.11
@@ -106,7 +107,7 @@ class FaultRun {
       case Cause::kBeyond:
         TEST_ASSERT_EQUAL_UINT32(0, drive_.write_wide(0x006C, 0));
         before_ = servo_.commands.size();
-        servo_.encoder_off = ((servo_.position < 0 ? -1 : 1) * int64_t{1 << 23}) * kCount - servo_.position;
+        servo_.encoder_off = ((servo_.position < 0 ? -1 : 1) * int64_t{2 * kLimit}) * kCount - servo_.position;
         return drop_frames(1);
       case Cause::kJump: servo_.encoder_off = 50000000 * kCount; return drive_.step();
       case Cause::kClientGone: return;
@@ -185,9 +186,13 @@ class FaultRun {
     TEST_ASSERT_EQUAL_UINT32(newest_[1], history[17]);
   }
 
+  // A position limit's from where it is, by an encoder that was right; the others' from 0.
   void recover() {
+    const bool outside = cause_ == Cause::kBeyond;
+    const int32_t side = servo_.position + servo_.encoder_off < 0 ? -1 : 1;
+    const int32_t target = outside ? side * kLimit : 12345;
     servo_.encoder_off = 0;
-    servo_.position = 0;
+    servo_.position = outside ? target * kCount + side * int64_t{12345} * kCount : 0;
     drive_.step(2);
     drive_.unlock();
     TEST_ASSERT_EQUAL_UINT32(0, drive_.write_single(0x0023, 0));
@@ -196,10 +201,12 @@ class FaultRun {
     TEST_ASSERT_EQUAL_UINT32(0, drive_.get(0x0010));
     TEST_ASSERT_EQUAL_UINT32(0x0040, drive_.state() & 0x004F);
     drive_.enable();
-    drive_.start_move(12345);
+    drive_.step(outside ? 50 : 0);
+    drive_.start_move(target);
     drive_.control(0x0F);
-    for (uint32_t i = 0; i < 3000 && servo_.setpoint() != 12345 * kCount; ++i) drive_.step();
-    TEST_ASSERT_EQUAL_INT64(12345 * kCount, servo_.setpoint());
+    for (uint32_t i = 0; i < 3000 && servo_.setpoint() != target * kCount; ++i) drive_.step();
+    TEST_ASSERT_EQUAL_INT64(target * kCount, servo_.setpoint());
+    TEST_ASSERT_EQUAL_UINT32(0, drive_.get(0x0010));
   }
 
   FaultyDrive& drive_;

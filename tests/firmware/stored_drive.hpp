@@ -55,6 +55,11 @@ struct Memory {
     for (size_t i = 3; i < end; i += 2) {
       if (page[i] == key) page[i + 1] = value;
     }
+    make_whole(0);
+  }
+  void make_whole(size_t at) {
+    auto& page = flash.pages[at];
+    const uint32_t end = 3 + (page[1] & 0xFFFF);
     uint32_t crc = UINT32_MAX;
     for (size_t i = 0; i < end; ++i) {
       for (int bit = 0; bit < 32; ++bit) crc = ((crc ^ (page[i] >> bit)) & 1) != 0 ? (crc >> 1) ^ 0xEDB88320 : crc >> 1;

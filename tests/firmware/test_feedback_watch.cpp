@@ -72,6 +72,39 @@ TEST_F(Watching, a_position_beyond_a_soft_limit_by_more_than_the_margin_is_one) 
   TEST_ASSERT_EQUAL_UINT32(4, ticks_until(FaultCode::kPositionLimit, at(-2050), at(-2050) - 1));
 }
 
+TEST_F(Watching, what_is_outside_when_it_is_looked_at_first_may_stay_and_come_back) {
+  TEST_ASSERT_EQUAL_UINT32(0, ticks_until(FaultCode::kPositionLimit, at(9000), at(9000)));
+  TEST_ASSERT_EQUAL_UINT32(0, ticks_until(FaultCode::kPositionLimit, at(9050), at(9050)));
+  TEST_ASSERT_EQUAL_UINT32(4, ticks_until(FaultCode::kPositionLimit, at(9051), at(9051)));
+  TEST_ASSERT_EQUAL_UINT32(0, ticks_until(FaultCode::kPositionLimit, at(4000), at(4000)));
+  TEST_ASSERT_EQUAL_UINT32(0, ticks_until(FaultCode::kPositionLimit, at(9000), at(9000)));
+  TEST_ASSERT_EQUAL_UINT32(0, ticks_until(FaultCode::kPositionLimit, at(3050), at(3050)));
+  TEST_ASSERT_EQUAL_UINT32(4, ticks_until(FaultCode::kPositionLimit, at(3051), at(3051)));
+}
+
+TEST_F(Watching, out_on_one_side_it_may_not_be_out_on_the_other) {
+  TEST_ASSERT_EQUAL_UINT32(0, ticks_until(FaultCode::kPositionLimit, at(9000), at(9000)));
+  TEST_ASSERT_EQUAL_UINT32(4, ticks_until(FaultCode::kPositionLimit, at(-2051), at(-2051)));
+}
+
+// Within the margin it creeps nowhere.
+TEST_F(Watching, what_is_outside_by_less_than_the_margin_gains_nothing_by_it) {
+  TEST_ASSERT_EQUAL_UINT32(0, ticks_until(FaultCode::kPositionLimit, at(3049), at(3049)));
+  watch.restart();
+  TEST_ASSERT_EQUAL_UINT32(0, ticks_until(FaultCode::kPositionLimit, at(3050), at(3050)));
+  TEST_ASSERT_EQUAL_UINT32(4, ticks_until(FaultCode::kPositionLimit, at(3051), at(3051)));
+}
+
+TEST_F(Watching, limits_that_change_begin_anew) {
+  TEST_ASSERT_EQUAL_UINT32(0, ticks_until(FaultCode::kPositionLimit, at(2500), at(2500)));
+  FeedbackLimits closer = limits();
+  closer.high = 1000;
+  watch.set(closer);
+  TEST_ASSERT_EQUAL_UINT32(0, ticks_until(FaultCode::kPositionLimit, at(2500), at(2500)));
+  watch.set(closer);
+  TEST_ASSERT_EQUAL_UINT32(4, ticks_until(FaultCode::kPositionLimit, at(2551), at(2551)));
+}
+
 TEST_F(Watching, without_soft_limits_and_windows_there_are_no_ends) {
   FeedbackLimits open = limits();
   open.low = open.high = 0;

@@ -89,6 +89,60 @@ TEST_F(Counting, what_is_only_listened_to_counts_as_unanswered_until_the_restart
   TEST_ASSERT_EQUAL_UINT32(0, get(0x0100));
 }
 
+// The server by itself, on a drive that is off.
+struct Served {
+  Axis<16> axis;
+  firmware::Parameters parameters = {};
+  firmware::ControlLoop loop = {};
+  firmware::PositionStream stream = {};
+  firmware::ShaperSettings shaper = {};
+  firmware::Drive drive = {};
+  firmware::RegisterBank registers = {};
+  firmware::ParameterKeeper keeper = {};
+  firmware::ModbusServer server = {};
+  firmware::RtuPort port = {};
+  Servo servo;
+  Line line;
+
+  Served() {
+    TEST_ASSERT_OK(axis.configure(firmware::kDefaultAxis));
+    parameters.load_defaults();
+    loop.begin(axis, servo);
+    drive.begin(axis, loop, parameters, stream);
+    shaper.begin(axis, parameters, Meanwhile{});
+    const firmware::RegisterBank::Parts parts = {&axis,       &loop,   &drive,  &shaper, nullptr,
+                                                 &parameters, nullptr, &stream, nullptr, &keeper};
+    registers.begin(parts);
+    keeper.begin(parts, registers, nullptr, nullptr);
+    server.begin(registers);
+    port.begin(line, 1, 2);
+    drive.service();
+  }
+  bool acts_on(const Bytes& pdu, uint8_t unit = 1) {
+    Bytes body{unit};
+    body.insert(body.end(), pdu.begin(), pdu.end());
+    const Bytes frame = framed(body);
+    line.to_drive.insert(line.to_drive.end(), frame.begin(), frame.end());
+    TEST_ASSERT_FALSE(port.poll(0));
+    TEST_ASSERT_TRUE(port.poll(5));
+    return server.serve(port);
+  }
+};
+
+// The client's watchdog (0023) goes by it.
+TEST_F(Served, what_is_only_listened_to_is_no_sign_of_a_client_that_is_in_control) {
+  const Bytes disable = {6, 0, 0x40, 0, 0};
+  TEST_ASSERT_TRUE(acts_on(disable));
+  TEST_ASSERT_TRUE(acts_on(disable, 0));
+  TEST_ASSERT_TRUE(acts_on({99}));  // refused
+  TEST_ASSERT_TRUE(acts_on({8, 0, 4, 0, 0}));
+  TEST_ASSERT_FALSE(acts_on(disable));
+  TEST_ASSERT_FALSE(acts_on(disable, 0));
+  TEST_ASSERT_FALSE(acts_on({8, 0, 1, 0, 7}));
+  TEST_ASSERT_TRUE(acts_on({8, 0, 1, 0, 0}));
+  TEST_ASSERT_TRUE(acts_on(disable));
+}
+
 TEST_F(Counting, a_counter_wraps_at_16_bits) {
   exchange({8, 0, 10, 0, 0});
   for (int i = 0; i < 65535; ++i) {

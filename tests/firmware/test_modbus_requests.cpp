@@ -122,6 +122,21 @@ TEST_F(Rig, what_this_firmware_cannot_do_is_refused_as_a_value) {
   TEST_ASSERT_EQUAL_UINT32(kIllegalValue, write_single(0x0130, 0));
 }
 
+TEST_F(Rig, a_mode_is_unused_or_of_half_a_hertz_and_more) {
+  for (const uint32_t address : {0x0102U, 0x011AU}) {
+    for (const uint32_t good : {5000U, 3000000U, 0U, 110000U}) {
+      TEST_ASSERT_EQUAL_UINT32(0, write_wide(address, good));
+      TEST_ASSERT_EQUAL_UINT32(good, get_wide(address));
+    }
+    for (const uint32_t bad : {1U, 4999U}) {
+      TEST_ASSERT_EQUAL_UINT32(kIllegalValue, write_wide(address, bad));
+      expect_refused(0x8500, address);
+      TEST_ASSERT_EQUAL_UINT32(5000, get_wide(0x0016));
+      TEST_ASSERT_EQUAL_UINT32(110000, get_wide(address));
+    }
+  }
+}
+
 TEST_F(Rig, a_maximum_is_the_range_of_what_follows_it) {
   const uint32_t maximum = get_wide(0x0058);
   TEST_ASSERT_EQUAL_UINT32(10000000, maximum);

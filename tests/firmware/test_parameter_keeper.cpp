@@ -235,6 +235,36 @@ TEST_F(Memory, a_profile_beyond_the_axis_is_lowered_to_it) {
   replace(0x0060, UINT32_MAX);
   power_cycle();
   TEST_ASSERT_EQUAL_UINT32(10000000, now->get_wide(0x0060));
+  now->expect_refused(0x8500, 0x0060);
+  TEST_ASSERT_EQUAL_UINT32(10000000, now->get_wide(0x0016));
+}
+
+TEST_F(Memory, a_value_out_of_its_range_is_left_out_and_named) {
+  TEST_ASSERT_EQUAL_UINT32(0, now->write_wide(0x0060, 345678));
+  TEST_ASSERT_EQUAL_UINT32(0, now->command(kSave));
+  replace(0x0088, 5000);
+  power_cycle();
+  TEST_ASSERT_EQUAL_UINT32(10, now->get(0x0088));
+  TEST_ASSERT_EQUAL_UINT32(345678, now->get_wide(0x0060));
+  now->expect_refused(0x8500, 0x0088);
+  TEST_ASSERT_EQUAL_UINT32(0, now->get(0x0010));
+}
+
+// Whoever went back to an older firmware is told so, and has what that one saved last.
+TEST_F(Memory, an_older_set_than_the_newest_that_is_there_is_named) {
+  TEST_ASSERT_EQUAL_UINT32(0, now->write_wide(0x0060, 345678));
+  TEST_ASSERT_EQUAL_UINT32(0, now->command(kSave));
+  flash.pages[1] = flash.pages[0];
+  flash.pages[1][1] += 0x10000;
+  flash.pages[1][2] += 1;
+  make_whole(1);
+  power_cycle();
+  TEST_ASSERT_EQUAL_UINT32(345678, now->get_wide(0x0060));
+  now->expect_refused(0x8A00, 0);
+  TEST_ASSERT_EQUAL_UINT32(0, now->get(0x0010));
+  TEST_ASSERT_EQUAL_UINT32(0, now->command(kSave));
+  power_cycle();
+  now->expect_refused(0, 0);
 }
 
 }  // namespace

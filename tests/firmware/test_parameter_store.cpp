@@ -158,6 +158,33 @@ TEST(an_older_firmwares_image_leaves_the_defaults_for_what_it_lacks) {
   TEST_ASSERT_EQUAL_UINT32(0, boot.parameters.get(Register::kStatusword));
 }
 
+TEST(what_an_image_has_and_is_left_out_is_named) {
+  struct Case {
+    uint32_t key;
+    uint32_t value;
+    uint32_t reason;
+    uint32_t accepted;
+  };
+  constexpr Case kCases[] = {{0x0088, 5000, 0x8500, 800}, {0x0089, 2, 0x8500, 1},     {0x006A, 2, 0x8400, 0},
+                             {0x7FF0, 1, 0x8400, 0},      {0x0041, 3, 0x8400, 0},     {0x0061, 4, 0x8400, 0},
+                             {0x00030100, 5, 0x8500, 4},  {0x00090100, 1, 0x8400, 0}, {0x00010072, 1, 0x8400, 0},
+                             {0x0101, 1, 0x8400, 0},      {0x0108, 0, 0x8400, 0},     {0x00080101, 8, 0x8500, 7},
+                             {0x0072, 55, 0, 0},          {0x00080102, 4999, 0, 0},   {0x00070100, 2, 0, 0},
+                             {0x00080100, 1, 0, 0},       {0x00080101, 7, 0, 0}};
+  for (const Case& c : kCases) {
+    TEST_INFO("key", c.key);
+    FlashModel flash;
+    place(flash, 0, image(1, 0, {0x0072, 44, c.key, c.value, 0x0023, 7}));
+    Boot boot(&flash);
+    TEST_ASSERT_EQUAL_ENUM(Loaded::kImage, boot.load());
+    TEST_ASSERT_EQUAL_UINT32(c.reason, boot.parameters.get(Register::kRefusalReason));
+    TEST_ASSERT_EQUAL_UINT32(c.reason == 0 ? 0 : c.key & 0xFFFF, boot.parameters.get(Register::kRefusedRegister));
+    TEST_ASSERT_EQUAL_UINT32(c.accepted, boot.parameters.get(Register::kRefusalAccepted));
+    TEST_ASSERT_EQUAL_UINT32(c.key == 0x0072 ? 55 : 44, boot.parameters.get(Register::kPositionTimeMs));
+    TEST_ASSERT_EQUAL_UINT32(7, boot.parameters.get(Register::kClientWatchdogMs));
+  }
+}
+
 TEST(the_newest_image_counts_also_where_the_sequence_wraps) {
   for (const uint32_t sequence : {0U, 5U, 0x7FFFFFFFU, UINT32_MAX}) {
     for (size_t page = 0; page < 2; ++page) {
@@ -174,18 +201,59 @@ TEST(the_newest_image_counts_also_where_the_sequence_wraps) {
   }
 }
 
-TEST(an_image_of_a_version_that_is_not_known_is_passed_over_and_kept_as_long_as_it_is_the_newest) {
+// By itself it is kept until its page's turn comes. Beside a set that is in force it goes: one of the two must, and a
+// cut must not leave neither.
+TEST(an_image_of_a_version_that_is_not_known_is_passed_over_and_never_kept_for_the_one_in_force) {
   for (const uint32_t version : {0U, 2U, 0xFFFFU}) {
-    FlashModel flash;
-    place(flash, 0, image(version, 4, {0x0072, 1}));
-    TEST_ASSERT_EQUAL_ENUM(Loaded::kUnknownVersion, Boot(&flash).load());
-    place(flash, 1, image(1, 3, {0x0072, 2}));
-    Boot boot(&flash);
-    TEST_ASSERT_EQUAL_ENUM(Loaded::kImage, boot.load());
-    TEST_ASSERT_EQUAL_UINT32(2, boot.parameters.get(Register::kPositionTimeMs));
+    for (const uint32_t sequence : {2U, 4U}) {
+      FlashModel flash;
+      place(flash, 0, image(version, sequence, {0x0072, 1}));
+      FlashModel alone = flash;
+      Boot first(&alone);
+      TEST_ASSERT_EQUAL_ENUM(Loaded::kUnknownVersion, first.load());
+      TEST_ASSERT_TRUE(first.save());
+      TEST_ASSERT_EQUAL_UINT32(version << 16 | 2, alone.pages[0][1]);
+      TEST_ASSERT_EQUAL_UINT32(sequence + 1, alone.pages[1][2]);
+      TEST_ASSERT_EQUAL_ENUM(Loaded::kImage, Boot(&alone).load());
+
+      place(flash, 1, image(1, 3, {0x0072, 2}));
+      Boot boot(&flash);
+      TEST_ASSERT_EQUAL_ENUM(sequence > 3 ? Loaded::kOlderImage : Loaded::kImage, boot.load());
+      TEST_ASSERT_EQUAL_UINT32(2, boot.parameters.get(Register::kPositionTimeMs));
+      TEST_ASSERT_TRUE(boot.save());
+      TEST_ASSERT_EQUAL_UINT32(4, flash.pages[0][2]);
+      TEST_ASSERT_EQUAL_UINT32(3, flash.pages[1][2]);
+      TEST_ASSERT_EQUAL_ENUM(Loaded::kImage, Boot(&flash).load());
+    }
+  }
+}
+
+TEST_HOST(a_power_cut_beside_an_image_of_a_newer_version_leaves_the_old_set_or_the_new_one) {
+  Random random(20261125);
+  for (size_t page = 0; page < 2; ++page) {
+    FlashModel before;
+    place(before, page, image(1, 3, {0x0072, 2}));
+    place(before, 1 - page, image(2, 4, {0x0072, 1}));
+    Boot boot(&before);
+    TEST_ASSERT_EQUAL_ENUM(Loaded::kOlderImage, boot.load());
+    boot.parameters.set(Register::kPositionTimeMs, 3);
+    FlashModel uncut = before;
+    uncut.cut_at(FlashModel::kNever, 0);
+    boot.store.begin(&uncut);
     TEST_ASSERT_TRUE(boot.save());
-    TEST_ASSERT_EQUAL_UINT32(version << 16 | 2, flash.pages[0][1]);
-    TEST_ASSERT_EQUAL_UINT32(5, flash.pages[1][2]);
+    for (uint64_t cut = 0; cut < uncut.operations(); ++cut) {
+      TEST_INFO("cut", cut);
+      FlashModel after = before;
+      after.cut_at(cut, random.next());
+      boot.store.begin(&after);
+      TEST_ASSERT_FALSE(boot.save());
+      after.power_up();
+      Boot next(&after);
+      const Loaded loaded = next.load();
+      const uint32_t got = next.parameters.get(Register::kPositionTimeMs);
+      TEST_ASSERT_TRUE(loaded == Loaded::kImage || loaded == Loaded::kOlderImage);
+      TEST_ASSERT_TRUE(got == 2 || got == 3);
+    }
   }
 }
 

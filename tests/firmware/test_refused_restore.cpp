@@ -97,7 +97,7 @@ TEST_F(Refused, what_was_refused_at_the_start_can_be_read_and_does_not_count_as_
 }
 
 TEST_F(Refused, an_apply_that_is_refused_too_does_not_take_its_place) {
-  TEST_ASSERT_EQUAL_UINT32(0, now->write(0x0100, {1, 2, 0, 4000, 0, 0, 2}));
+  TEST_ASSERT_EQUAL_UINT32(0, now->write(0x0100, {1, 2, 0, 5000, 0, 0, 3}));
   TEST_ASSERT_EQUAL_UINT32(0, now->write_single(0x0130, 1));
   now->step(100);
   TEST_ASSERT_EQUAL_UINT32(3, now->get(0x0131));

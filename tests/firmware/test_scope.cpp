@@ -211,8 +211,10 @@ TEST_F(ScopeRig, a_fault_triggers_and_what_led_to_it_is_there) {
 }
 
 TEST_F(ScopeRig, what_has_no_record_says_so_and_reading_changes_nothing) {
+  TEST_ASSERT_EQUAL_UINT32(3, write_single(0x0308, 0));
   TEST_ASSERT_EQUAL_UINT32(6, exception_in(exchange(read_request(0x0400, 2))));
-  expect_refused(kNothingToDo, 0x0400);
+  expect_refused(0x8500, 0x0308);  // the write's still; why there is nothing to read, 0301 says
+  TEST_ASSERT_EQUAL_UINT32(1, get_wide(0x0016));
   TEST_ASSERT_EQUAL_UINT32(2, exception_in(exchange(read_request(0x047B, 2))));
   TEST_ASSERT_EQUAL_UINT32(6, command(kTrigger));
   expect_refused(kNothingToDo, 0x0300);
@@ -229,6 +231,37 @@ TEST_F(ScopeRig, what_has_no_record_says_so_and_reading_changes_nothing) {
   TEST_ASSERT_EQUAL_UINT32(0, command(kStop));
   TEST_ASSERT_EQUAL_UINT32(kIdle, scope_state());
   TEST_ASSERT_EQUAL_UINT32(6, exception_in(exchange(read_request(0x0400, 2))));
+}
+
+// Function 23 writes before it reads, and must not write what leaves it nothing to read.
+TEST_F(ScopeRig, a_request_that_reads_the_record_does_not_begin_another) {
+  const auto read_after = [&](uint32_t address, uint32_t word, uint8_t page = 4) {
+    Bytes pdu{23, page, 0x00, 0, 2};
+    append_word(pdu, address);
+    pdu.insert(pdu.end(), {0, 1, 2});
+    append_word(pdu, word);
+    return exception_in(exchange(pdu));
+  };
+  set_up(kByHand, 0, 1, {kAccelerometer});
+  TEST_ASSERT_EQUAL_UINT32(6, read_after(0x0300, kArm));
+  TEST_ASSERT_EQUAL_UINT32(kIdle, scope_state());
+  TEST_ASSERT_EQUAL_UINT32(0, command(kArm));
+  TEST_ASSERT_EQUAL_UINT32(0, command(kTrigger));
+  fill();
+  const std::vector<int32_t> once = samples(0);
+  for (const uint32_t what : {kArm, kStop}) {
+    TEST_ASSERT_EQUAL_UINT32(6, read_after(0x0300, what));
+    expect_refused(kNothingToDo, 0x0300);
+  }
+  TEST_ASSERT_EQUAL_UINT32(6, read_after(0x0200, 1));
+  expect_refused(kNothingToDo, 0x0200);
+  TEST_ASSERT_EQUAL_UINT32(3, read_after(0x0300, 3));
+  TEST_ASSERT_EQUAL_UINT32(2, read_after(0x0301, 1));
+  TEST_ASSERT_EQUAL_UINT32(0, read_after(0x0311, 1));
+  TEST_ASSERT_EQUAL_UINT32(kFull, scope_state());
+  TEST_ASSERT_TRUE(once == samples(0));
+  TEST_ASSERT_EQUAL_UINT32(0, read_after(0x0300, kStop, 5));  // which reads the fault history
+  TEST_ASSERT_EQUAL_UINT32(kIdle, scope_state());
 }
 
 TEST_F(ScopeRig, what_cannot_be_recorded_is_refused_by_name_and_leaves_it_idle) {

@@ -117,6 +117,33 @@ TEST_F(BrokenOff, a_halt_ramps_by_the_profile_and_a_move_can_follow_when_it_is_t
   ringing_after_move(-30000);
 }
 
+// The ramp of an abort ends between two counts, and the next move goes to a whole one: no further than it may.
+TEST_F(BrokenOff, an_amplitude_of_the_whole_travel_starts_from_wherever_an_abort_has_left_it) {
+  constexpr int64_t kTravel = 100000;
+  TEST_ASSERT_EQUAL_UINT32(0, write(0x0202, {0x0001, 0x86A0, 0x0001, 0x86A0}));
+  uint32_t rounded_up = 0;
+  for (uint32_t i = 0; i < 24; ++i) {
+    TEST_INFO("abort", i);
+    if (i >= 12) {  // downwards
+      unlock();
+      const auto high = static_cast<uint32_t>(arm.setpoints.back() / kCount + 50000);
+      TEST_ASSERT_EQUAL_UINT32(
+          0, write(0x0074, {0x8000, 0, static_cast<uint16_t>(high >> 16), static_cast<uint16_t>(high)}));
+    }
+    const int64_t stands = arm.setpoints.back();
+    arm.forget();
+    TEST_ASSERT_EQUAL_UINT32(0, tune(kStart));
+    step(20 + 5 * i);
+    TEST_ASSERT_EQUAL_UINT32(0, tune(kAbort));
+    step(400);
+    for (const int64_t setpoint : arm.setpoints) TEST_ASSERT_TRUE(std::llabs(setpoint - stands) <= kTravel * kCount);
+    TEST_ASSERT_TRUE(i < 12 ? arm.setpoints.back() > stands : arm.setpoints.back() < stands);
+    rounded_up += (arm.setpoints.back() & (kCount / 2)) != 0 ? 1U : 0U;
+  }
+  TEST_ASSERT_AT_LEAST_INT64(6, rounded_up);
+  TEST_ASSERT_AT_MOST_INT64(18, rounded_up);
+}
+
 // Heard while the identification runs: ticks come, and with them the client's bytes, in the middle of it.
 TEST_F(BrokenOff, an_abort_in_the_identification_is_heard_in_it) {
   bool sent = false;

@@ -55,6 +55,15 @@ TEST_F(Refused, it_does_not_start_while_halted) {
   expect_no_start(kHalted, 0x0200);
 }
 
+// Bit 4 of the controlword asks for nothing in profile velocity.
+TEST_F(Refused, it_starts_in_profile_velocity_whatever_bit_4_says) {
+  TEST_ASSERT_EQUAL_UINT32(0, write_single(0x0042, 3));
+  step(20);
+  control(0x1F);
+  step(20);
+  TEST_ASSERT_EQUAL_UINT32(0, tune(kStart));
+}
+
 TEST_F(Refused, it_does_not_start_while_a_shaper_waits) {
   arm.drive.set_commit(false);
   TEST_ASSERT_EQUAL_UINT32(0, write(0x0100, {1, 0, 0x0006, 0x1A80, 0, 0, 1, 0, 0, 0}));
