@@ -37,7 +37,7 @@ struct ExcitationConfig {
 constexpr uint32_t kMostExcitationSteps = 64;
 
 // What will happen, before it does. Peaks of what the tick will emit, sampled: not exceeded, and reached but for 2^-26
-// counts in each difference of a tick. A chirp's travel is its amplitude, which its samples may miss by a 10^-4 of it.
+// counts in each difference of a tick. A chirp's travel is its amplitude, which its samples may miss by 1e-4 of it.
 struct Announcement {
   double travel;        // counts, the furthest from where it begins, either way
   double velocity;      // counts/s
