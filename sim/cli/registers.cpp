@@ -2,10 +2,15 @@
 // `stillpoint registers`: the drive's register map as the firmware's own table has it, for people and for programs.
 #include <fmt/format.h>
 
+#include <map>
+#include <string>
+#include <utility>
+
 #include "firmware/parameters.hpp"
 #include "sim/cli/command.hpp"
 #include "sim/cli/drive_registers.hpp"
 #include "sim/cli/json.hpp"
+#include "sim/cli/register_guide.hpp"
 
 namespace stillpoint::cli {
 namespace {
@@ -63,35 +68,35 @@ Json json_of(const Parameter& parameter) {
                  {"range", range_text(parameter)},
                  {"default", number(parameter, parameter.initial)}};
   if (firmware::text_of(parameter).object != 0) object["object"] = object_text(parameter);
+  Json values = values_json(parameter);
+  if (!values.empty()) object["values"] = std::move(values);
   return object;
+}
+
+Json json_of(const std::map<uint16_t, std::string>& texts) {
+  Json all = Json::array();
+  for (const auto& [value, text] : texts) all.push_back({{"value", value}, {"text", text}});
+  return all;
 }
 
 constexpr char kHead[] =
     R"(# The drive's registers
 
 Printed by `stillpoint registers` from the firmware's own table. Modbus RTU, addresses from 0, hexadecimal; a 32-bit
-value takes two registers, the high word first, and is read and written whole. L: needs the unlock key (554E to 0014,
-good for 60 s). A range that ends with an address ends with that register's value. CiA: the object of CiA 402.
+value takes two registers, the high word first, and is written whole. L: needs the unlock key (Keys, below). A range
+that ends with an address ends with that register's value. CiA: the object of CiA 402. Below the table: requests, states
+and their words, values, faults, refusals, keys, windows, diagnostics.
 
 | address | name | type | unit | range | access | default | CiA | |
 |---|---|---|---|---|---|---|---|---|
-)";
-
-constexpr char kWindows[] = R"(
-Beside the table:
-
-| address | what | access |
-|---|---|---|
-| 0090-00CF | the next positions of a stream, i32 counts, by function 16 from 0090 on | W |
-| 0400-047B | the scope's page that 0311 names, 62 samples i32 of one channel; 06 until its record is full | R |
-| 0500-05FF | the newest 16 faults, 16 registers each: code, counter, uptime u32, position i32, demand i32, zeros | R |
 )";
 
 int run(const Output& output) {
   if (output.json) {
     Json all = Json::array();
     for (const Parameter parameter : firmware::kParameters) all.push_back(json_of(parameter));
-    print_json({{"result", "ok"}, {"registers", all}});
+    print_json(
+        {{"result", "ok"}, {"registers", all}, {"faults", json_of(faults())}, {"reasons", json_of(drive_reasons())}});
     return 0;
   }
   fmt::print("{}", kHead);
@@ -101,7 +106,14 @@ int run(const Output& output) {
                access_text(parameter), number(parameter, parameter.initial), object_text(parameter),
                firmware::text_of(parameter).text);
   }
-  fmt::print("{}", kWindows);
+  print_requests();
+  print_states();
+  print_values();
+  print_faults();
+  print_refusals();
+  print_keys();
+  print_windows();
+  print_serial_line();
   return 0;
 }
 

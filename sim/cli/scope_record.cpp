@@ -4,7 +4,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <iterator>
 
+#include "firmware/registers.hpp"
 #include "sim/cli/table.hpp"
 #include "sim/record_table.hpp"
 #include "sim/refusal.hpp"
@@ -28,6 +30,7 @@ constexpr Channel kChannels[] = {{"demand", "position [counts]"},
                                  {"phase", "phase"},
                                  {"fault", "fault code"},
                                  {"flags", "flags"}};
+static_assert(std::size(kChannels) + 1 == firmware::kScopeSources, "the drive's, but for none");
 
 const char* const kColours[] = {kPlainColour, kShapedColour, "#1b9e77", "#7570b3"};
 

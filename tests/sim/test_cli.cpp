@@ -190,6 +190,27 @@ TEST_HOST(move_prints_what_it_promises) {
   REQUIRE(csv.rows.back()[7] == "1700000");
 }
 
+TEST_HOST(the_register_map_says_to_programs_what_values_faults_and_reasons_mean) {
+  const Json map = json_of("registers");
+  const auto text_of = [](const Json& list, uint32_t value) {
+    for (const Json& entry : list) {
+      if (entry.at("value") == value) return entry.at("text").get<std::string>();
+    }
+    return std::string();
+  };
+  TEST_ASSERT_TRUE(text_of(map.at("faults"), 0x8612) == "the position is beyond a soft limit");
+  TEST_ASSERT_TRUE(text_of(map.at("reasons"), 0x8000).rfind("locked", 0) == 0);
+  const auto named = [&](const char* name) {
+    for (const Json& parameter : map.at("registers")) {
+      if (parameter.at("name") == name) return parameter;
+    }
+    return Json();
+  };
+  TEST_ASSERT_TRUE(text_of(named("mode").at("values"), 6) == "homing");
+  TEST_ASSERT_FALSE(named("profile-velocity").contains("values"));
+  TEST_ASSERT_TRUE(named("profile-velocity").contains("unit"));
+}
+
 TEST_HOST(the_demo_shows_three_moves_and_a_picture) {
   if (std::system("gnuplot --version >/dev/null 2>&1") != 0) return;
   const std::string picture = scratch_file("demo.svg");
