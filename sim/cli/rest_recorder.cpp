@@ -77,7 +77,6 @@ MoveReport RestRecorder::start_other_way() {
     if (refusal.result() != "drive_refused" || client_.read(Register::kZeroDelay) == 0) throw;
     client_.write(Register::kZeroDelay, 0);
   }
-  client_.enable();  // takes the set-point's bit back, which is to rise again
   return client_.start();
 }
 
