@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/cli/chip_client.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 
+#include "firmware/parameters.hpp"
 #include "firmware/state_machine.hpp"
 #include "sim/cli/drive_state.hpp"
+#include "sim/cli/drive_texts.hpp"
 #include "sim/refusal.hpp"
 
 namespace stillpoint::cli {
@@ -26,11 +26,15 @@ constexpr uint16_t kApplyAtRest = 1;
 constexpr uint64_t kFeedbackPatienceTicks = 1000;
 constexpr uint64_t kModePatienceTicks = 1000;
 
-std::string hexadecimal(uint16_t value) { return fmt::format("{:04X}h", value); }
-
 sim::Refusal cannot(const std::string& what, const std::string& value, const std::string& why,
                     const std::string& result) {
   return sim::Refusal(sim::Refusal::Cause::kCannot, what, value, why, result);
+}
+
+// What it takes depends on registers beside it, which the drive then names.
+bool looks_at_others(const firmware::Parameter& parameter) {
+  return parameter.effect == firmware::Effect::kAxisLimits || parameter.effect == firmware::Effect::kTune ||
+         parameter.effect == firmware::Effect::kScope;
 }
 
 [[noreturn]] void refuse_fault(uint16_t fault) {
@@ -38,7 +42,8 @@ sim::Refusal cannot(const std::string& what, const std::string& value, const std
     throw cannot("host", "too slow", "the drive heard nothing for 100 ms, a machine with less to do is accepted",
                  kHostTooSlow);
   }
-  throw cannot("drive", "fault " + hexadecimal(fault), "a move without a fault is accepted", "drive_fault");
+  throw cannot("drive", "fault " + hexadecimal(fault),
+               std::string(text_of_fault(fault)) + ", a reset of the fault is accepted first", "drive_fault");
 }
 
 }  // namespace
@@ -236,14 +241,37 @@ void ChipClient::refuse_any_fault() {
 
 void ChipClient::refuse_with_reason() {
   const std::vector<uint16_t> refusal = port_.read(address_of(Register::kRefusalReason), 2);
+  const uint16_t reason = refusal[0];
   const uint32_t accepted = read32(Register::kRefusalAccepted);
-  const bool by_the_core = (refusal[0] & 0x8000U) == 0;
-  const std::string why = by_the_core ? text(static_cast<Error>(refusal[0] >> 8)) : "reason " + hexadecimal(refusal[0]);
-  const std::string what = by_the_core ? text(static_cast<Quantity>(refusal[0] & 0xFF)) : "drive";
-  throw cannot(what, "register " + hexadecimal(refusal[1]),
-               why + (accepted != 0 ? ", the drive would have accepted " + std::to_string(accepted) + " there"
-                                    : ", the drive names nothing that it would have accepted"),
-               "drive_refused");
+  const size_t culprit = firmware::find_parameter(refusal[1]);
+  const bool is_signed = culprit != firmware::kNoParameter && firmware::kParameters[culprit].is_signed();
+  const std::string value = is_signed ? std::to_string(static_cast<int32_t>(accepted)) : std::to_string(accepted);
+  const bool by_the_core = (reason & 0x8000U) == 0;
+  const std::string what = by_the_core ? text(static_cast<Quantity>(reason & 0xFF)) : "drive";
+  std::string why = by_the_core ? text(static_cast<Error>(reason >> 8)) : text_of_reason(reason);
+  if (names_a_value(reason) || accepted != 0) {
+    why += ", " + value + " is accepted there";
+  } else if (by_the_core) {
+    why += ", the drive names nothing that it would have accepted";
+  }
+  throw cannot(what, "register " + hexadecimal(refusal[1]), why, "drive_refused");
+}
+
+// The registers of the last refusal are not written by every exception. 06 always does; 03 for a value that is out of
+// range or not available, but not for a key that is not known or half of a wide value; the others never.
+void ChipClient::explain(const sim::RegisterRefusal& refusal) {
+  constexpr int kIllegalValue = 3;
+  constexpr int kBusy = 6;
+  const size_t asked = firmware::find_parameter(refusal.address());
+  if (asked == firmware::kNoParameter) throw refusal;
+  const std::vector<uint16_t> last = port_.read(address_of(Register::kRefusalReason), 2);
+  const size_t culprit = firmware::find_parameter(last[1]);
+  const bool of_a_value = last[0] == firmware::kReasonOutOfRange || last[0] == firmware::kReasonNotAvailable;
+  const bool is_key = refusal.address() == address_of(Register::kCommandKey);
+  if (refusal.exception() == kIllegalValue && culprit == asked && of_a_value && !is_key) refuse_with_reason();
+  if (refusal.exception() == kBusy && (culprit == asked || looks_at_others(firmware::kParameters[asked])))
+    refuse_with_reason();
+  throw refusal;
 }
 
 }  // namespace stillpoint::cli

@@ -56,6 +56,8 @@ class ChipClient {
 
   // With what registers 0012, 0013 and 0016 say.
   [[noreturn]] void refuse_with_reason();
+  // The same where they are about this refusal, and not about one before it; else throws that itself.
+  [[noreturn]] void explain(const sim::RegisterRefusal& refusal);
 
  private:
   bool step_towards_enabled(bool& asked);

@@ -11,7 +11,7 @@
 #include "sim/cli/drive_files.hpp"
 #include "sim/cli/drive_registers.hpp"
 #include "sim/cli/drive_scope.hpp"
-#include "sim/cli/drive_state.hpp"
+#include "sim/cli/drive_status.hpp"
 #include "sim/cli/drive_tune.hpp"
 #include "sim/cli/json.hpp"
 #include "sim/cli/modbus_port.hpp"
@@ -39,14 +39,13 @@ struct DriveOptions {
   DriveTuneOptions tune;
 };
 
-constexpr char kVerbs[] = "status enable disable halt stop reset move tune scope get set save export import";
+constexpr char kVerbs[] = "status enable disable halt stop reset move tune scope get set save export import faults";
 
 struct Call {
   const DriveOptions& options;
   const Output& output;
   sim::RegisterPort& port;
 
-  uint16_t read(Register name) const { return port.read(address_of(name), 1)[0]; }
   int64_t value(Register name) const {
     return read_parameter(port, firmware::kParameters[firmware::find_parameter(address_of(name))]);
   }
@@ -56,36 +55,6 @@ struct Call {
     throw sim::bad_argument("argument", "missing", fmt::format("`{}` needs {}", options.verb, what));
   }
 };
-
-int show_status(const Call& call) {
-  const uint16_t statusword = call.read(Register::kStatusword);
-  const Json object = {
-      {"result", "ok"},
-      {"state", text(state_of(statusword))},
-      {"statusword", statusword},
-      {"target_reached", (statusword & firmware::kStatusTargetReached) != 0},
-      {"error_code", call.read(Register::kErrorCode)},
-      {"warnings", call.read(Register::kWarnings)},
-      {"mode", call.value(Register::kModeDisplay)},
-      {"position_counts", call.value(Register::kActualPosition)},
-      {"demand_counts", call.value(Register::kDemandAfterShaping)},
-      {"following_error_counts", call.value(Register::kFollowingError)},
-      {"velocity_counts_per_s", call.value(Register::kActualVelocity)},
-      {"shaper_state", call.read(Register::kShaperState)},
-      {"shaper_delay_us", call.value(Register::kActiveDelayUs)},
-      {"uptime_ms", call.value(Register::kUptimeMs)},
-  };
-  if (call.output.json) {
-    print_json(object);
-    return 0;
-  }
-  Table table({"", "value"});
-  for (const auto& [name, value] : object.items()) {
-    if (name != "result") table.row({name, value.is_string() ? value.get<std::string>() : value.dump()});
-  }
-  table.print();
-  return 0;
-}
 
 int show_values(const Call& call, const std::vector<std::string>& names) {
   Json values = {{"result", "ok"}};
@@ -165,7 +134,8 @@ int tune(const Call& call) {
 
 int command(const Call& call) {
   const std::string& verb = call.options.verb;
-  if (verb == "status") return show_status(call);
+  if (verb == "status") return show_status(call.port, call.output);
+  if (verb == "faults") return show_faults(call.port, call.output);
   if (verb == "get") return call.argument(0, "a register"), show_values(call, call.options.arguments);
   if (verb == "set") return set_value(call);
   if (verb == "move") return move(call);
@@ -192,7 +162,7 @@ int command(const Call& call) {
   } else {
     throw sim::bad_argument("drive", verb, fmt::format("not known, accepted: {}", kVerbs));
   }
-  return show_status(call);
+  return show_status(call.port, call.output);
 }
 
 char parity_of(const std::string& text) {

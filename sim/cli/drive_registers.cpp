@@ -90,9 +90,8 @@ void write_parameter(sim::RegisterPort& port, const Parameter& parameter, int64_
     } else {
       port.write(address_of(parameter.name), static_cast<uint16_t>(value));
     }
-  } catch (const sim::Refusal& refusal) {
-    if (refusal.result() == "client_refused") ChipClient(port).refuse_with_reason();
-    throw;
+  } catch (const sim::RegisterRefusal& refusal) {
+    ChipClient(port).explain(refusal);
   }
 }
 
