@@ -146,7 +146,8 @@ int command(const Call& call) {
     if (call.options.arguments.empty()) return print_json(object), 0;
     write_json_file(call.options.arguments[0], object);
   } else if (verb == "import") {
-    import_settings(call.port, read_json_file(call.argument(0, "a file")));
+    for (const std::string& told : import_settings(call.port, read_json_file(call.argument(0, "a file"))))
+      fmt::print(stderr, "stillpoint: warning: {}\n", told);
   } else if (verb == "enable") {
     enable_drive(call.port);
   } else if (verb == "disable") {
