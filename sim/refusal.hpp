@@ -20,7 +20,13 @@ class Refusal : public std::runtime_error {
   // The cause as one word, for `"result"` in JSON.
   const std::string& result() const { return result_; }
 
+  // The same, with what has come of it.
+  Refusal with(const std::string& more) const { return Refusal(cause_, what() + more, result_); }
+
  private:
+  Refusal(Cause cause, const std::string& line, const std::string& result)
+      : std::runtime_error(line), cause_(cause), result_(result) {}
+
   Cause cause_;
   std::string result_;
 };

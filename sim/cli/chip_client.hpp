@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "firmware/registers.hpp"
+#include "firmware/state_machine.hpp"
 #include "shaper/axis/axis_config.hpp"
 #include "sim/cli/register_values.hpp"
 #include "sim/hil/register_port.hpp"
@@ -22,15 +23,22 @@ class ChipClient {
  public:
   explicit ChipClient(sim::RegisterPort& port) : port_(port) {}
 
+  firmware::DriveState state();
+  bool is_enabled() { return state() == firmware::DriveState::kOperationEnabled; }
+  // From whatever state, as CiA 402 has it; a drive that is enabled, halted too, is left as it is. Refuses a fault. Where
+  // it cannot be done the drive is off.
   void enable();
-  bool is_enabled() { return (status() & kStateMask) == kOperationEnabled; }
+  // Puts profile position mode in force. Refuses, the mode of before asked for again, while the axis moves in another.
+  void take_profile_position_mode();
   void set_shaper(const std::vector<ModeRegisters>& modes);
   // As the registers 0100 have them.
   std::vector<ModeRegisters> staged_modes();
   void set_move(const MoveRegisters& move);
-  // Starts the move that is set; `relative`: its target counts from the one in force.
+  // Starts the move that is set, once a move before it is done, in profile position mode; `relative`: its target counts
+  // from the one in force.
   MoveReport start(bool relative = false);
-  // Until the drive reports the target reached, `ticks` of which the move itself may take.
+  // Until the drive reports the target reached, `ticks` of which the move itself may take. Refuses where it was halted or
+  // disabled on its way.
   void finish(uint64_t ticks = 0);
 
   uint16_t read(firmware::Register name) { return port_.read(firmware::address_of(name), 1)[0]; }
@@ -48,11 +56,16 @@ class ChipClient {
 
   // With what registers 0012, 0013 and 0016 say.
   [[noreturn]] void refuse_with_reason();
+  // The same where they are about this refusal, and not about one before it; else throws that itself.
+  [[noreturn]] void explain(const sim::RegisterRefusal& refusal);
 
  private:
-  static constexpr uint16_t kStateMask = 0x6F;
-  static constexpr uint16_t kOperationEnabled = 0x27;
-
+  bool step_towards_enabled(bool& asked);
+  void wait_for_room();
+  void take_set_point_back();
+  void try_to_take_set_point_back();
+  void try_to_write_controlword(uint16_t word);
+  void refuse_unless_enabled(uint16_t statusword);
   uint16_t status() { return read(firmware::Register::kStatusword); }
   void raise_maximum(firmware::Register name, uint32_t wanted);
 

@@ -7,9 +7,11 @@
 #include "firmware/state_machine.hpp"
 #include "sim/cli/chip_client.hpp"
 #include "sim/cli/command.hpp"
+#include "sim/cli/drive_commands.hpp"
 #include "sim/cli/drive_files.hpp"
 #include "sim/cli/drive_registers.hpp"
 #include "sim/cli/drive_scope.hpp"
+#include "sim/cli/drive_status.hpp"
 #include "sim/cli/drive_tune.hpp"
 #include "sim/cli/json.hpp"
 #include "sim/cli/modbus_port.hpp"
@@ -37,70 +39,22 @@ struct DriveOptions {
   DriveTuneOptions tune;
 };
 
-constexpr char kVerbs[] = "status enable disable halt stop reset move tune scope get set save export import";
+constexpr char kVerbs[] = "status enable disable halt stop reset move tune scope get set save export import faults";
 
 struct Call {
   const DriveOptions& options;
   const Output& output;
   sim::RegisterPort& port;
 
-  uint16_t read(Register name) const { return port.read(address_of(name), 1)[0]; }
   int64_t value(Register name) const {
     return read_parameter(port, firmware::kParameters[firmware::find_parameter(address_of(name))]);
   }
-  void control(uint16_t word) const { port.write(address_of(Register::kControlword), word); }
 
   const std::string& argument(size_t index, const char* what) const {
     if (index < options.arguments.size()) return options.arguments[index];
     throw sim::bad_argument("argument", "missing", fmt::format("`{}` needs {}", options.verb, what));
   }
 };
-
-const char* state_name(uint16_t statusword) {
-  switch (statusword & 0x6F) {
-    case 0x21: return "ready to switch on";
-    case 0x23: return "switched on";
-    case 0x27: return "operation enabled";
-    case 0x07: return "quick stop active";
-    default: break;
-  }
-  switch (statusword & 0x4F) {
-    case 0x40: return "switch on disabled";
-    case 0x0F: return "fault reaction active";
-    case 0x08: return "fault";
-    default: return "not ready to switch on";
-  }
-}
-
-int show_status(const Call& call) {
-  const uint16_t statusword = call.read(Register::kStatusword);
-  const Json object = {
-      {"result", "ok"},
-      {"state", state_name(statusword)},
-      {"statusword", statusword},
-      {"target_reached", (statusword & firmware::kStatusTargetReached) != 0},
-      {"error_code", call.read(Register::kErrorCode)},
-      {"warnings", call.read(Register::kWarnings)},
-      {"mode", call.value(Register::kModeDisplay)},
-      {"position_counts", call.value(Register::kActualPosition)},
-      {"demand_counts", call.value(Register::kDemandAfterShaping)},
-      {"following_error_counts", call.value(Register::kFollowingError)},
-      {"velocity_counts_per_s", call.value(Register::kActualVelocity)},
-      {"shaper_state", call.read(Register::kShaperState)},
-      {"shaper_delay_us", call.value(Register::kActiveDelayUs)},
-      {"uptime_ms", call.value(Register::kUptimeMs)},
-  };
-  if (call.output.json) {
-    print_json(object);
-    return 0;
-  }
-  Table table({"", "value"});
-  for (const auto& [name, value] : object.items()) {
-    if (name != "result") table.row({name, value.is_string() ? value.get<std::string>() : value.dump()});
-  }
-  table.print();
-  return 0;
-}
 
 int show_values(const Call& call, const std::vector<std::string>& names) {
   Json values = {{"result", "ok"}};
@@ -127,24 +81,18 @@ int set_value(const Call& call) {
   return parameter.readable() ? show_values(call, {call.options.arguments[0]}) : 0;
 }
 
-// The word that asks for operation enabled; what it was asked for before, bit 4 above all, is not repeated.
-constexpr uint16_t kEnabled = 0x0F;
-
-MoveReport start_move(const Call& call, ChipClient& client) {
-  const bool relative = !call.options.by.empty();
-  if (relative == !call.options.target.empty())
+MoveRequest move_request(const DriveOptions& options) {
+  const bool relative = !options.by.empty();
+  if (relative == !options.target.empty())
     throw sim::bad_argument("--target", "missing", "`move` needs one of --target and --by, in counts");
-  const std::string& text = relative ? call.options.by : call.options.target;
+  const std::string& text = relative ? options.by : options.target;
   const int64_t counts = sim::parse_integer(text, relative ? "--by" : "--target", INT32_MIN, INT32_MAX);
-  if (!client.is_enabled()) client.enable();
-  call.port.write32(address_of(Register::kTargetPosition), static_cast<uint32_t>(counts));
-  return client.start(relative);
+  return {static_cast<int32_t>(counts), relative};
 }
 
 int move(const Call& call) {
-  ChipClient client(call.port);
-  const MoveReport report = start_move(call, client);
-  client.finish(report.total_ticks);
+  const MoveReport report = start_move(call.port, move_request(call.options));
+  ChipClient(call.port).finish(report.total_ticks);
   const Json object = {{"result", "ok"},
                        {"profile_ticks", report.profile_ticks},
                        {"total_ticks", report.total_ticks},
@@ -163,10 +111,10 @@ int move(const Call& call) {
 int scope(const Call& call) {
   check_output(call.output);
   const DriveOptions& options = call.options;
-  ChipClient client(call.port);
   const bool moves = !options.target.empty() || !options.by.empty();
+  const MoveRequest request = moves ? move_request(options) : MoveRequest{};
   const ScopeRecord record = capture_scope(call.port, options.scope, [&] {
-    if (moves) start_move(call, client);
+    if (moves) start_move(call.port, request);
   });
   if (!call.output.csv.empty()) write_scope_csv(call.output.csv, settings_of(options.scope), record);
   if (!call.output.plot.empty()) draw_scope(call.output.plot, "stillpoint drive scope", record);
@@ -184,29 +132,10 @@ int tune(const Call& call) {
   return tune_drive(call.port, options, call.output);
 }
 
-// Off; then what the loss of torque ends, a fault too, is over.
-void disable(const Call& call) { call.control(0x00); }
-
-void reset_fault(const Call& call) {
-  call.control(0x00);
-  call.control(firmware::kControlFaultReset);
-  call.control(0x00);
-}
-
-void save(const Call& call) {
-  unlock(call.port);
-  write_parameter(call.port, parameter_named("0014"), static_cast<int64_t>(firmware::CommandKey::kSave));
-  ChipClient client(call.port);
-  client.wait("the settings saved", [&] {
-    const auto result = static_cast<firmware::CommandResult>(call.read(Register::kCommandResult));
-    if (result == firmware::CommandResult::kFailed) client.refuse_with_reason();
-    return result != firmware::CommandResult::kBusy;
-  });
-}
-
 int command(const Call& call) {
   const std::string& verb = call.options.verb;
-  if (verb == "status") return show_status(call);
+  if (verb == "status") return show_status(call.port, call.output);
+  if (verb == "faults") return show_faults(call.port, call.output);
   if (verb == "get") return call.argument(0, "a register"), show_values(call, call.options.arguments);
   if (verb == "set") return set_value(call);
   if (verb == "move") return move(call);
@@ -217,23 +146,24 @@ int command(const Call& call) {
     if (call.options.arguments.empty()) return print_json(object), 0;
     write_json_file(call.options.arguments[0], object);
   } else if (verb == "import") {
-    import_settings(call.port, read_json_file(call.argument(0, "a file")));
+    for (const std::string& told : import_settings(call.port, read_json_file(call.argument(0, "a file"))))
+      fmt::print(stderr, "stillpoint: warning: {}\n", told);
   } else if (verb == "enable") {
-    ChipClient(call.port).enable();
+    enable_drive(call.port);
   } else if (verb == "disable") {
-    disable(call);
+    disable_drive(call.port);
   } else if (verb == "halt") {
-    call.control(kEnabled | firmware::kControlHalt);
+    halt_drive(call.port);
   } else if (verb == "stop") {
-    call.control(0x02);
+    stop_drive(call.port);
   } else if (verb == "reset") {
-    reset_fault(call);
+    reset_drive(call.port);
   } else if (verb == "save") {
-    save(call);
+    save_settings(call.port);
   } else {
     throw sim::bad_argument("drive", verb, fmt::format("not known, accepted: {}", kVerbs));
   }
-  return show_status(call);
+  return show_status(call.port, call.output);
 }
 
 char parity_of(const std::string& text) {
@@ -263,7 +193,10 @@ void add_drive(Commands& commands, Output& output) {
   CLI::App& app = commands.add("drive", "Speaks Modbus RTU with a drive: a chip, or `emulate`.",
                                [options, &output] { return run(*options, output); });
   add_value(app, "PORT", options->port, " ", "the serial port");
-  add_value(app, "VERB", options->verb, " ", std::string("one of: ") + kVerbs);
+  add_value(app, "VERB", options->verb, " ",
+            std::string("one of: ") + kVerbs +
+                "; halt ramps and holds until the next move, stop is the quick stop of 0078, disable takes the torque "
+                "at once, reset ends a fault, move is in profile position mode");
   add_arguments(app, "ARGUMENTS", options->arguments,
                 "get REGISTER..., set REGISTER VALUE, export [FILE], import FILE");
   add_value(app, "--unit", options->unit, "N", "the drive's address");

@@ -3,10 +3,13 @@
 
 #include <fmt/format.h>
 
+#include <filesystem>
 #include <fstream>
+#include <initializer_list>
+#include <system_error>
 
-#include "firmware/parameter_store.hpp"
 #include "sim/cli/drive_registers.hpp"
+#include "sim/cli/drive_settings.hpp"
 #include "sim/cli/json.hpp"
 #include "sim/refusal.hpp"
 
@@ -14,45 +17,41 @@ namespace stillpoint::cli {
 namespace {
 
 using firmware::address_of;
-using firmware::Effect;
-using firmware::kParameters;
 using firmware::Parameter;
 using firmware::Register;
 
-Json values_of(sim::RegisterPort& port, bool staged) {
-  Json values = Json::object();
-  for (const Parameter parameter : kParameters) {
-    if (firmware::stored(parameter) && firmware::of_shaper_set(parameter) == staged) {
-      values[name_of(parameter)] = read_parameter(port, parameter);
-    }
-  }
-  return values;
+// What a file says of the drive that it is from.
+struct Origin {
+  const char* key;
+  Register name;
+};
+constexpr Origin kProduct = {"product", Register::kProduct};
+constexpr Origin kFirmware = {"firmware", Register::kFirmwareVersion};
+constexpr Origin kMap = {"map_version", Register::kMapVersion};
+
+Json json_of(const SettingValues& values) {
+  Json object = Json::object();
+  for (const auto& [address, value] : values)
+    object[name_of(firmware::kParameters[firmware::find_parameter(address)])] = value;
+  return object;
 }
 
-struct Setting {
-  Parameter parameter;
-  int64_t value;
-};
-
-std::vector<Setting> settings_in(const Json& values, bool staged) {
-  std::vector<Setting> settings;
-  for (const auto& [name, value] : values.items()) {
+SettingValues settings_in(const Json& object, bool of_set) {
+  if (!object.is_object())
+    throw sim::bad_argument("settings", object.dump(), "no names and values, those of an export are accepted");
+  SettingValues settings;
+  for (const auto& [name, value] : object.items()) {
     const Parameter parameter = parameter_named(name);
-    if (!firmware::stored(parameter) || firmware::of_shaper_set(parameter) != staged)
+    if (!is_setting(parameter, of_set))
       throw sim::bad_argument("setting", name, "not one of these, those of an export are accepted");
     if (!value.is_number_integer())
       throw sim::bad_argument(name, value.dump(), "not a whole number, one in the register's unit is accepted");
-    settings.push_back({parameter, value.get<int64_t>()});
+    const bool beyond = value.is_number_unsigned() && value.get<uint64_t>() > INT64_MAX;
+    const int64_t number = beyond ? INT64_MAX : value.get<int64_t>();
+    if (!settings.emplace(address_of(parameter.name), number).second)
+      throw sim::bad_argument("setting", name, "there twice, by its name or its address once is accepted");
   }
   return settings;
-}
-
-void write_settings(sim::RegisterPort& port, const std::vector<Setting>& settings, bool axis_limits) {
-  for (const Setting& setting : settings) {
-    if ((setting.parameter.effect == Effect::kAxisLimits) == axis_limits) {
-      write_parameter(port, setting.parameter, setting.value);
-    }
-  }
 }
 
 const Json& part_of(const Json& file, const char* name, bool object) {
@@ -61,43 +60,76 @@ const Json& part_of(const Json& file, const char* name, bool object) {
   return file[name];
 }
 
+DriveSettings settings_of(const Json& file) {
+  DriveSettings settings;
+  settings.own = settings_in(part_of(file, "settings", true), false);
+  for (const Json& set : part_of(file, "shaper_sets", false)) settings.sets.push_back(settings_in(set, true));
+  if (settings.sets.size() > firmware::kShaperSets)
+    throw sim::bad_argument("shaper_sets", std::to_string(settings.sets.size()),
+                            fmt::format("too many, {} are accepted", firmware::kShaperSets));
+  return settings;
+}
+
+// Empty where the file and the drive agree.
+std::string difference(sim::RegisterPort& port, const Json& file, const Origin& origin) {
+  const uint16_t own = port.read(address_of(origin.name), 1)[0];
+  if (!file.contains(origin.key)) return fmt::format("not in the file, the drive's is {}", own);
+  if (file[origin.key] == own) return "";
+  return fmt::format("{} in the file, the drive's is {}", file[origin.key].dump(), own);
+}
+
+std::vector<std::string> check_origin(sim::RegisterPort& port, const Json& file) {
+  if (file.contains(kProduct.key) && !difference(port, file, kProduct).empty()) {
+    throw sim::bad_argument(
+        kProduct.key, file[kProduct.key].dump(),
+        fmt::format("another product's, {} is accepted", port.read(address_of(kProduct.name), 1)[0]));
+  }
+  std::vector<std::string> told;
+  for (const Origin& origin : {kProduct, kFirmware, kMap}) {
+    const std::string difference_said = difference(port, file, origin);
+    if (!difference_said.empty()) told.push_back(std::string(origin.key) + ": " + difference_said);
+  }
+  return told;
+}
+
+void tell_differences(const SettingValues& wanted, const SettingValues& now, const std::string& where,
+                      std::vector<std::string>& told) {
+  for (const auto& [address, value] : wanted) {
+    if (now.at(address) == value) continue;
+    const std::string name = name_of(firmware::kParameters[firmware::find_parameter(address)]);
+    told.push_back(fmt::format("{}{}: {} in the file, the drive has made it {}", name, where, value, now.at(address)));
+  }
+}
+
 }  // namespace
 
 Json exported(sim::RegisterPort& port) {
+  const DriveSettings settings = read_settings(port);
   Json sets = Json::array();
-  const uint16_t on_show = port.read(address_of(Register::kShaperSet), 1)[0];
-  Json settings = values_of(port, false);
-  for (uint16_t set = 0; set < firmware::kShaperSets; ++set) {
-    port.write(address_of(Register::kShaperSet), set);
-    sets.push_back(values_of(port, true));
-  }
-  port.write(address_of(Register::kShaperSet), on_show);
-  return {{"product", port.read(address_of(Register::kProduct), 1)[0]},
-          {"firmware", port.read(address_of(Register::kFirmwareVersion), 1)[0]},
-          {"map_version", port.read(address_of(Register::kMapVersion), 1)[0]},
-          {"settings", settings},
+  for (const SettingValues& set : settings.sets) sets.push_back(json_of(set));
+  const auto word = [&](const Origin& origin) { return port.read(address_of(origin.name), 1)[0]; };
+  return {{kProduct.key, word(kProduct)},
+          {kFirmware.key, word(kFirmware)},
+          {kMap.key, word(kMap)},
+          {"settings", json_of(settings.own)},
           {"shaper_sets", sets}};
 }
 
-void import_settings(sim::RegisterPort& port, const Json& file) {
-  const std::vector<Setting> settings = settings_in(part_of(file, "settings", true), false);
-  std::vector<std::vector<Setting>> sets;
-  for (const Json& set : part_of(file, "shaper_sets", false)) sets.push_back(settings_in(set, true));
-  if (sets.size() > firmware::kShaperSets)
-    throw sim::bad_argument("shaper_sets", std::to_string(sets.size()),
-                            fmt::format("too many, {} are accepted", firmware::kShaperSets));
-  unlock(port);
-  write_settings(port, settings, true);
-  write_settings(port, settings, false);
-  const uint16_t on_show = port.read(address_of(Register::kShaperSet), 1)[0];
-  for (size_t set = 0; set < sets.size(); ++set) {
-    port.write(address_of(Register::kShaperSet), static_cast<uint16_t>(set));
-    write_settings(port, sets[set], false);
-  }
-  port.write(address_of(Register::kShaperSet), on_show);
+std::vector<std::string> import_settings(sim::RegisterPort& port, const Json& file) {
+  const DriveSettings wanted = settings_of(file);
+  std::vector<std::string> told = check_origin(port, file);
+  write_settings(port, wanted);
+  const DriveSettings now = read_settings(port);
+  tell_differences(wanted.own, now.own, "", told);
+  for (size_t set = 0; set < wanted.sets.size(); ++set)
+    tell_differences(wanted.sets[set], now.sets[set], fmt::format(" of set {}", set), told);
+  return told;
 }
 
 Json read_json_file(const std::string& path) {
+  std::error_code unknown;
+  if (std::filesystem::is_directory(path, unknown))
+    throw sim::bad_argument("file", path, "a directory, a file that can be read is accepted");
   std::ifstream file(path);
   if (!file) throw sim::bad_argument("file", path, "cannot be read, a file that can be is accepted");
   Json object = Json::parse(file, nullptr, false);

@@ -66,33 +66,37 @@ Parameter parameter_named(const std::string& name) {
                           "not known, a name of `drive PORT export` or four hexadecimal digits are accepted");
 }
 
-int64_t read_parameter(sim::RegisterPort& port, const Parameter& parameter) {
-  const uint16_t address = address_of(parameter.name);
+int64_t value_in(const Parameter& parameter, const uint16_t* words) {
   if (parameter.words() == 2) {
-    const uint32_t value = port.read32(address);
+    const uint32_t value = uint32_t{words[0]} << 16 | words[1];
     return parameter.is_signed() ? static_cast<int64_t>(static_cast<int32_t>(value)) : static_cast<int64_t>(value);
   }
-  const uint16_t value = port.read(address, 1)[0];
-  return parameter.is_signed() ? static_cast<int64_t>(static_cast<int16_t>(value)) : static_cast<int64_t>(value);
+  return parameter.is_signed() ? static_cast<int64_t>(static_cast<int16_t>(words[0])) : static_cast<int64_t>(words[0]);
 }
 
-void write_parameter(sim::RegisterPort& port, const Parameter& parameter, int64_t value) {
+int64_t read_parameter(sim::RegisterPort& port, const Parameter& parameter) {
+  return value_in(parameter, port.read(address_of(parameter.name), static_cast<uint16_t>(parameter.words())).data());
+}
+
+void require_fits(const Parameter& parameter, int64_t value) {
   const int bits = 16 * static_cast<int>(parameter.words());
   const int64_t low = parameter.is_signed() ? -(INT64_C(1) << (bits - 1)) : 0;
   const int64_t high = (INT64_C(1) << (parameter.is_signed() ? bits - 1 : bits)) - 1;
-  if (value < low || value > high) {
-    throw sim::bad_argument(name_of(parameter), std::to_string(value),
-                            fmt::format("outside the register, {} to {} is accepted", low, high));
-  }
+  if (value >= low && value <= high) return;
+  throw sim::bad_argument(name_of(parameter), std::to_string(value),
+                          fmt::format("outside the register, {} to {} is accepted", low, high));
+}
+
+void write_parameter(sim::RegisterPort& port, const Parameter& parameter, int64_t value) {
+  require_fits(parameter, value);
   try {
     if (parameter.words() == 2) {
       port.write32(address_of(parameter.name), static_cast<uint32_t>(value));
     } else {
       port.write(address_of(parameter.name), static_cast<uint16_t>(value));
     }
-  } catch (const sim::Refusal& refusal) {
-    if (refusal.result() == "client_refused") ChipClient(port).refuse_with_reason();
-    throw;
+  } catch (const sim::RegisterRefusal& refusal) {
+    ChipClient(port).explain(refusal);
   }
 }
 

@@ -18,8 +18,12 @@ std::string name_of(const firmware::Parameter& parameter);
 // By that name, or by its address in four hexadecimal digits. Throws a Refusal.
 firmware::Parameter parameter_named(const std::string& name);
 
-// As the type has it: signed where that is.
+// Its registers' words as the type has them: signed where that is.
+int64_t value_in(const firmware::Parameter& parameter, const uint16_t* words);
 int64_t read_parameter(sim::RegisterPort& port, const firmware::Parameter& parameter);
+
+// Refuses what the type cannot hold.
+void require_fits(const firmware::Parameter& parameter, int64_t value);
 
 // Refuses what the type cannot hold before it is sent, and repeats what the drive says where it refuses.
 void write_parameter(sim::RegisterPort& port, const firmware::Parameter& parameter, int64_t value);

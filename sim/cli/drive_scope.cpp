@@ -73,8 +73,8 @@ class DriveScope {
     port_.write(address_of(Register::kFirstScopeChannel), channels);
     try {
       command(ScopeCommand::kArm);
-    } catch (const sim::Refusal&) {
-      client_.refuse_with_reason();
+    } catch (const sim::RegisterRefusal& refusal) {
+      client_.explain(refusal);
     }
   }
 
@@ -96,7 +96,6 @@ class DriveScope {
       }
       const bool late = static_cast<double>(port_.ticks() - begun) > 1000.0 * wanted.timeout_s;
       if (!late || state == CaptureState::kRunning) continue;
-      command(ScopeCommand::kStop);
       throw cannot("not triggered", "a longer --timeout, or another --trigger or --level, is accepted",
                    "not_triggered");
     }
@@ -115,6 +114,13 @@ class DriveScope {
       record.channels.push_back(channel(static_cast<uint32_t>(k), count));
     }
     return record;
+  }
+
+  void try_to_stop() {
+    try {
+      command(ScopeCommand::kStop);
+    } catch (const sim::Refusal&) {  // silent: what ends it here is said
+    }
   }
 
  private:
@@ -147,9 +153,14 @@ ScopeRecord capture_scope(sim::RegisterPort& port, const ScopeRequest& request, 
   const Wanted wanted = wanted_of(request);
   DriveScope scope(port);
   scope.arm(wanted);
-  armed();
-  scope.wait(wanted, static_cast<uint32_t>(TuneMemory::kSamples / wanted.channels.size()), meanwhile);
-  return scope.fetch(wanted);
+  try {
+    armed();
+    scope.wait(wanted, static_cast<uint32_t>(TuneMemory::kSamples / wanted.channels.size()), meanwhile);
+    return scope.fetch(wanted);
+  } catch (const sim::Refusal&) {
+    scope.try_to_stop();
+    throw;
+  }
 }
 
 void stop_scope(sim::RegisterPort& port) {

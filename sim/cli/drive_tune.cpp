@@ -9,6 +9,7 @@
 #include <cstdio>
 
 #include "firmware/parameters.hpp"
+#include "sim/cli/drive_commands.hpp"
 #include "sim/cli/host_tune.hpp"
 #include "sim/cli/json.hpp"
 #include "sim/cli/progress.hpp"
@@ -204,7 +205,9 @@ int tune_drive(sim::RegisterPort& port, const DriveTuneOptions& options, const O
   TuneClient client(port);
   TuneRegisters registers = client.registers();
   take_options(options, registers);
-  if (!client.client().is_enabled()) client.client().enable();
+  if (options.by == "host") check_host_can(registers);
+  refuse_unless_ready_to_move(port);
+  client.client().enable();
   const Interruptible interruptible;
   const bool by_drive = options.by != "host" && start_on_drive(client, registers, options, output.json);
   const Result result = by_drive ? follow_drive(client, options.propose, output.json)

@@ -36,10 +36,13 @@ constexpr uint16_t kEnabled = 0x0F;
 class Borrowed {
  public:
   explicit Borrowed(sim::RegisterPort& port) : port_(port) {}
-  void set(Register name, int64_t value) {
+  void note(Register name) {
     const firmware::Parameter parameter = firmware::kParameters[firmware::find_parameter(address_of(name))];
     before_.emplace_back(parameter, read_parameter(port_, parameter));
-    if (before_.back().second != value) write_parameter(port_, parameter, value);
+  }
+  void set(Register name, int64_t value) {
+    note(name);
+    if (before_.back().second != value) write_parameter(port_, before_.back().first, value);
   }
   void put_back() {
     for (; !before_.empty(); before_.pop_back()) write_parameter(port_, before_.back().first, before_.back().second);
@@ -71,11 +74,7 @@ Move move_by(ChipClient& client) {
 }
 
 TuneConfig config_of(const TuneRegisters& registers, const Move& move) {
-  const auto excitation = static_cast<TuneExcitation>(registers.excitation);
-  if (excitation != TuneExcitation::kAuto && excitation != TuneExcitation::kMove) {
-    throw sim::bad_argument("--excitation", sim::text(excitation),
-                            "not to be had by set-points from the host, auto and move are accepted");
-  }
+  check_host_can(registers);
   TuneConfig config{};
   config.excitation = TuneExcitation::kMove;
   config.source = static_cast<TuneSource>(registers.source);
@@ -229,24 +228,26 @@ void put_everything_back(sim::RegisterPort& port, ShaperInForce& shaper, Borrowe
   }
 }
 
-void borrow(sim::RegisterPort& port, Borrowed& borrowed) {
-  constexpr auto kPositions = static_cast<uint16_t>(firmware::OperationMode::kProfilePosition);
-  ChipClient client(port);
-  borrowed.set(Register::kMode, kPositions);
-  client.wait("profile position mode", [&] { return client.read(Register::kModeDisplay) == kPositions; });
-  borrowed.set(Register::kMoveDurationMs, 0);
-}
-
 }  // namespace
+
+void check_host_can(const TuneRegisters& registers) {
+  const auto excitation = static_cast<TuneExcitation>(registers.excitation);
+  if (excitation == TuneExcitation::kAuto || excitation == TuneExcitation::kMove) return;
+  throw sim::bad_argument("--excitation", sim::text(excitation),
+                          "not to be had by set-points from the host, auto and move are accepted");
+}
 
 HostTuning tune_by_host(sim::RegisterPort& port, const HostTuneTask& task) {
   HostTuner tuner(port, task);
   tuner.start();
   ShaperInForce shaper(port);
   Borrowed borrowed(port);
+  ChipClient client(port);
+  borrowed.note(Register::kMode);
+  client.take_profile_position_mode();
   HostTuning tuning{};
   try {
-    borrow(port, borrowed);
+    borrowed.set(Register::kMoveDurationMs, 0);
     tuning.report = tuner.run(shaper);
     if (tuning.report.state != TuneState::kKept) shaper.put_back();
     borrowed.put_back();

@@ -26,6 +26,9 @@ struct HostTuning {
   std::vector<sim::SpecifiedShaper> shapers;  // once they are kept
 };
 
+// Refuses the excitations that the host does not have.
+void check_host_can(const TuneRegisters& registers);
+
 // Of a drive that is enabled. AutoTune runs on this host, beside an axis with the drive's limits, in a time of its own:
 // where that moves, the drive makes the move and its scope records the rest after it (trigger 4), which is then told to
 // the tuner tick by tick. So the plan, the announcement, what is found, chosen, kept and undone are AutoTune's. Other

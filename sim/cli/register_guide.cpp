@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The states, values, faults, refusals and keys of the drive, from the firmware's own functions and the words of sim/hil.
+// The states, values, faults, refusals and keys of the drive, from the firmware's own functions and the words of
+// sim/hil.
 #include "sim/cli/register_guide.hpp"
 
 #include <fmt/format.h>

@@ -25,9 +25,8 @@ template <typename Write>
 void TuneClient::or_with_reason(const Write& write) {
   try {
     write();
-  } catch (const sim::Refusal& refusal) {
-    if (refusal.result() != "client_refused") throw;
-    client_.refuse_with_reason();
+  } catch (const sim::RegisterRefusal& refusal) {
+    client_.explain(refusal);
   }
 }
 

@@ -33,7 +33,17 @@ class RegisterPort {
 };
 
 // The drive has answered with a Modbus exception.
-Refusal refused_register(uint16_t address, int exception);
+class RegisterRefusal : public Refusal {
+ public:
+  RegisterRefusal(uint16_t address, int exception);
+  uint16_t address() const { return address_; }  // the first of the request
+  int exception() const { return exception_; }
+
+ private:
+  uint16_t address_;
+  int exception_;
+};
+inline RegisterRefusal refused_register(uint16_t address, int exception) { return {address, exception}; }
 // The last of so many requests went unanswered too. `why`: what the line says of it, or nothing.
 Refusal silent_register(uint16_t address, uint32_t requests, const std::string& why = {});
 
