@@ -28,9 +28,9 @@ DriveSettings read_settings(sim::RegisterPort& port);
 // its ceiling. A limit of the axis's own may be above its ceiling where both are given: a drive can be so.
 void check_settings(const DriveSettings& wanted, const DriveSettings& now);
 
-// Writes those that differ from what the drive has. A ceiling goes up before, and down after, what is under it. Needs the
-// axis standing where limits of its own change. Where the drive refuses one, or is no longer heard, all that was written
-// is put back, and what is thrown says so, or what has stayed.
+// Writes those that differ from what the drive has. A ceiling goes up before, and down after, what is under it. Needs
+// the axis standing where limits of its own change. Where the drive refuses one, or is no longer heard, all that was
+// written is put back, and what is thrown says so, or what has stayed.
 void write_settings(sim::RegisterPort& port, const DriveSettings& wanted);
 
 }  // namespace stillpoint::cli
