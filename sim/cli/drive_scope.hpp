@@ -23,9 +23,9 @@ struct ScopeRequest {
 void add_scope_request(CLI::App& app, ScopeRequest& request);
 
 // Arms, calls `armed`, waits for the trigger and the end of the record, and fetches it. The level is of the first
-// channel. Refuses by the option's name before the drive is spoken to; `not_triggered` where nothing has come within the
-// timeout; and what the drive refuses, with its reason. `meanwhile` (may be empty) is called while it waits, and nothing
-// is shown then. Whatever is thrown from `armed` on, by the two functions too, leaves the scope stopped.
+// channel. Refuses by the option's name before the drive is spoken to; `not_triggered` where nothing has come within
+// the timeout; and what the drive refuses, with its reason. `meanwhile` (may be empty) is called while it waits, and
+// nothing is shown then. Whatever is thrown from `armed` on, by the two functions too, leaves the scope stopped.
 ScopeRecord capture_scope(sim::RegisterPort& port, const ScopeRequest& request, const std::function<void()>& armed,
                           const std::function<void()>& meanwhile = {});
 // Gives the scope's memory back to the drive, and the record up.
