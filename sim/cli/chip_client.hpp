@@ -25,8 +25,8 @@ class ChipClient {
 
   firmware::DriveState state();
   bool is_enabled() { return state() == firmware::DriveState::kOperationEnabled; }
-  // From whatever state, as CiA 402 has it; a drive that is enabled, halted too, is left as it is. Refuses a fault. Where
-  // it cannot be done the drive is off.
+  // From whatever state, as CiA 402 has it; a drive that is enabled, halted too, is left as it is. Refuses a fault.
+  // Where it cannot be done the drive is off.
   void enable();
   // Puts profile position mode in force. Refuses, the mode of before asked for again, while the axis moves in another.
   void take_profile_position_mode();
@@ -37,8 +37,8 @@ class ChipClient {
   // Starts the move that is set, once a move before it is done, in profile position mode; `relative`: its target counts
   // from the one in force.
   MoveReport start(bool relative = false);
-  // Until the drive reports the target reached, `ticks` of which the move itself may take. Refuses where it was halted or
-  // disabled on its way.
+  // Until the drive reports the target reached, `ticks` of which the move itself may take. Refuses where it was halted
+  // or disabled on its way.
   void finish(uint64_t ticks = 0);
 
   uint16_t read(firmware::Register name) { return port_.read(firmware::address_of(name), 1)[0]; }

@@ -39,8 +39,8 @@ struct MoveRequest {
   bool relative;  // to the target in force
 };
 
-// In profile position mode, which is put in force first where the axis stands; enables a drive that is off. A quick stop
-// is not ended by it.
+// In profile position mode, which is put in force first where the axis stands; enables a drive that is off. A quick
+// stop is not ended by it.
 MoveReport start_move(sim::RegisterPort& port, const MoveRequest& request);
 
 }  // namespace stillpoint::cli
