@@ -109,11 +109,9 @@ void ControlLoop::enable_if_asked() {
 }
 
 void ControlLoop::home_if_asked() {
-  if (load(home_requested_) == 0) return;
-  const bool may = state_.enabled && state_.fault == FaultCode::kNone;
-  if (may && state_.axis.phase != AxisPhase::kAtRest) return;
+  if (load(home_requested_) == 0 || !state_.enabled || state_.fault != FaultCode::kNone) return;
+  if (state_.axis.phase != AxisPhase::kAtRest) return;
   store(home_requested_, 0);
-  if (!may) return;
   ++state_.homings;
   const Signal here = signal_from_counts(home_counts_);
   const Signal shift = wrapping_difference(state_.axis.setpoint, here);

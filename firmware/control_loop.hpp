@@ -70,7 +70,7 @@ class ControlLoop {
 
   // Homing where it stands: at the next tick that finds the axis enabled and at rest, that place becomes `counts`, and
   // `homings` in the snapshot goes up. Nothing moves. What the drive is told and reads is counted from there since.
-  // Taken back, or dropped by a fault or while disabled, it is not done later.
+  // It waits for that until it is taken back.
   void request_home(int32_t counts) {
     home_counts_ = counts;
     store(home_requested_, 1);
@@ -92,6 +92,12 @@ class ControlLoop {
 
   // Never torn: read again if a tick came between.
   LoopSnapshot snapshot() const { return published_.read(); }
+  void snapshot(LoopSnapshot& copy) const { published_.read(copy); }
+  // Of the newest one.
+  FaultCode fault() const {
+    const volatile FaultCode& fault = now().fault;
+    return fault;
+  }
 
   // --- tick -------------------------------------------------------------------------------------------------------
 

@@ -39,9 +39,10 @@ void Drive::write_controlword(uint16_t controlword) {
 void Drive::service() {
   // In this order: a tick between the two can then only show a move later than it began, never an end too early.
   const bool pending = axis_->pending();
-  const AxisState before = seen_.axis;
-  seen_ = loop_->snapshot();
-  see_velocity(before);
+  const uint32_t tick = seen_.axis.tick;
+  const Signal setpoint = seen_.axis.setpoint;
+  loop_->snapshot(seen_);
+  see_velocity(tick, setpoint);
   standing_ = !pending && seen_.axis.phase == AxisPhase::kAtRest;
   if (standing_) moving_ = false;
   follow_mode();
@@ -93,9 +94,7 @@ void Drive::obey() {
     return;
   }
   if (state_ == DriveState::kOperationEnabled && wanted == DriveState::kSwitchedOn && !standing_) {
-    if (slowing_) return;  // nothing else can have begun since
-    slow_down();
-    forget_commands();
+    if (!slowing_) slow_down();  // nothing else begins until it stands
     slowing_ = true;
     return;
   }
@@ -139,12 +138,11 @@ void Drive::obey_halt() {
     return;
   }
   buffered_ = false;
-  if (!halting_ && !standing_) {
-    halting_ = true;
-    slow_down();
-    velocity_ = 0;
-    velocity_waits_ = true;  // goes on afterwards
-  }
+  if (halting_) return;
+  halting_ = true;
+  if (!standing_) slow_down();
+  velocity_ = 0;
+  velocity_waits_ = true;  // goes on afterwards
 }
 
 StopOption Drive::option(Register name) const { return static_cast<StopOption>(parameters_->get(name)); }
@@ -162,7 +160,8 @@ void Drive::enter(DriveState state) {
   slowing_ = false;
   halting_ = false;
   forget_commands();
-  end_homing();
+  loop_->take_home_back();
+  homing_ = false;
   if (state == DriveState::kOperationEnabled) {
     stream_->stop();
     moving_ = false;
@@ -179,7 +178,7 @@ uint16_t Drive::reason_not_free() const {
 
 bool Drive::may_move() const {
   return state_ == DriveState::kOperationEnabled && command_of(controlword_) == DriveCommand::kEnableOperation &&
-         !halt_asked() && !slowing_;
+         !halt_asked();
 }
 
 uint16_t Drive::statusword() const {

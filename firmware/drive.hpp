@@ -83,9 +83,9 @@ class Drive {
   bool start(const Move& move);
   void forget_commands();
   void take_velocity();
-  void see_velocity(const AxisState& before);
+  void see_velocity(uint32_t tick, Signal setpoint);
+  void follow_command();
   void home();
-  void end_homing();
   void begin_stream();
   void follow_stream();
   void start_mode();
@@ -100,7 +100,6 @@ class Drive {
   void slow_down();
   void enter(DriveState state);
   bool target_reached() const;
-  bool follows_velocity() const;
   bool velocity_is_asked() const { return velocity_waits_ && mode_ == OperationMode::kProfileVelocity; }
   uint32_t mode_bits() const;
   bool halt_asked() const { return (controlword_ & kControlHalt) != 0; }
@@ -133,7 +132,7 @@ class Drive {
   bool velocity_waits_ = false;  // written, and neither taken nor refused yet
   Signal velocity_change_ = 0;   // a tick, at that velocity
   bool at_velocity_ = false;     // the setpoint, between the newest two ticks that `service` saw
-  uint32_t homings_ = 0;         // the loop's, when homing was asked for
+  uint32_t homings_ = 0;         // the loop's
   bool homing_ = false;
   bool homed_ = false;
   bool homing_failed_ = false;

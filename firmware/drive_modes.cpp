@@ -8,7 +8,8 @@ namespace stillpoint::firmware {
 void Drive::write_velocity() { velocity_waits_ = state_ == DriveState::kOperationEnabled; }
 
 void Drive::follow_mode() {
-  if (homing_ && seen_.homings != homings_) {
+  if (seen_.homings != homings_) {
+    homings_ = seen_.homings;
     homing_ = false;
     homed_ = true;
   }
@@ -18,14 +19,6 @@ void Drive::follow_mode() {
   parameters_->set(Register::kModeDisplay, static_cast<uint32_t>(wanted));
   if (set_point_waits_ || buffered_) parameters_->note_refusal(kReasonOtherMode, address_of(Register::kMode));
   start_mode();
-}
-
-// Taken back, unless a tick has done it already.
-void Drive::end_homing() {
-  if (!homing_) return;
-  loop_->take_home_back();
-  homing_ = false;
-  homed_ = loop_->snapshot().homings != homings_;
 }
 
 // Nothing of an earlier mode, or of an earlier time in this one, goes on.
@@ -66,7 +59,6 @@ void Drive::home() {
   homing_failed_ = !standing_;
   if (homing_failed_) return parameters_->note_refusal(kReasonNotStanding, address_of(Register::kControlword));
   homing_ = true;
-  homings_ = seen_.homings;
   loop_->request_home(0);
 }
 
@@ -87,8 +79,7 @@ void Drive::begin_stream() {
     stream_->stop();
     return note_move_refusal(status, *parameters_);
   }
-  moving_ = true;
-  given_up_ = false;
+  follow_command();
 }
 
 void Drive::follow_stream() {
@@ -114,19 +105,17 @@ void Drive::take_velocity() {
   }
   if (!status.ok()) return note_velocity_refusal(status, *parameters_);
   note_move_report(report, *parameters_);
-  moving_ = true;
-  given_up_ = false;
-  if (loop_->snapshot().fault != FaultCode::kNone) axis_->request_stop();
+  follow_command();
 }
 
-void Drive::see_velocity(const AxisState& before) {
-  constexpr uint32_t kRounding = 1U << 8;  // a tick: 6e-8 counts
-  const uint32_t ticks = seen_.axis.tick - before.tick;
+// Since that tick, with that setpoint.
+void Drive::see_velocity(uint32_t tick, Signal setpoint) {
+  constexpr uint32_t kRounding = 1U << 12;  // 1e-6 counts
+  const uint32_t ticks = seen_.axis.tick - tick;
   if (ticks == 0) return;
-  const Signal change = wrapping_difference(seen_.axis.setpoint, before.setpoint);
+  const Signal change = wrapping_difference(seen_.axis.setpoint, setpoint);
   const uint64_t off = static_cast<uint64_t>(change) - static_cast<uint64_t>(velocity_change_) * ticks;
-  const uint64_t most = uint64_t{kRounding} * ticks;
-  at_velocity_ = off + most <= 2 * most;
+  at_velocity_ = off + kRounding <= 2 * kRounding;
 }
 
 void Drive::take_target() {
@@ -155,27 +144,29 @@ bool Drive::start(const Move& move) {
   }
   note_move_report(report, *parameters_);
   target_ = move.target_counts;
-  moving_ = true;
-  given_up_ = false;
-  // A fault while this was planned: the loop lets nothing start, and the request must not outlive the fault.
-  if (loop_->snapshot().fault != FaultCode::kNone) axis_->request_stop();
+  follow_command();
   return true;
 }
 
-// Operation enabled, in profile velocity, and not halted.
-bool Drive::follows_velocity() const {
-  return state_ == DriveState::kOperationEnabled && mode_ == OperationMode::kProfileVelocity && !halt_asked();
+void Drive::follow_command() {
+  moving_ = true;
+  given_up_ = false;
+  // A fault while this was planned: the loop lets nothing start, and the request must not outlive the fault.
+  if (loop_->fault() != FaultCode::kNone) axis_->request_stop();
 }
 
 // Halted, or in a quick stop that stays: that it stands.
 bool Drive::target_reached() const {
-  const bool stays = state_ == DriveState::kQuickStopActive && stays_;
-  if (state_ != DriveState::kOperationEnabled && !stays) return false;
-  if (follows_velocity()) {
-    if (velocity_waits_ || velocity_ != parameters_->get_signed(Register::kTargetVelocity)) return false;
-    if (velocity_ != 0) return at_velocity_;
+  const bool stops = state_ != DriveState::kOperationEnabled;
+  if (stops && (state_ != DriveState::kQuickStopActive || !stays_)) return false;
+  if (!stops && !halt_asked()) {
+    if (mode_ == OperationMode::kProfileVelocity) {
+      if (velocity_ != parameters_->get_signed(Register::kTargetVelocity)) return false;
+      if (velocity_ != 0) return at_velocity_;
+    }
+    if (given_up_) return false;
   }
-  if (moving_ || buffered_ || (given_up_ && !stays && !halt_asked())) return false;
+  if (moving_ || buffered_) return false;
   const uint64_t settled_us = uint64_t{seen_.settled_ticks} * tick_us_;
   return seen_.settled_ticks != 0 && settled_us >= uint64_t{parameters_->get(Register::kPositionTimeMs)} * 1000U;
 }
@@ -184,8 +175,7 @@ uint32_t Drive::mode_bits() const {
   switch (mode_) {
     case OperationMode::kProfileVelocity:
       if (state_ != DriveState::kOperationEnabled || !standing_) return 0;
-      return kStatusVelocityZero |
-             (follows_velocity() && velocity_ != 0 && !velocity_waits_ && !moving_ ? kStatusInternalLimit : 0U);
+      return kStatusVelocityZero | (velocity_ != 0 && !moving_ ? kStatusInternalLimit : 0U);
     case OperationMode::kStream:
       return seen_.axis.phase == AxisPhase::kStreaming && !axis_->stream_state().limiting ? kStatusSetPointTaken : 0U;
     case OperationMode::kHoming: return (homed_ ? kStatusHomed : 0U) | (homing_failed_ ? kStatusHomingError : 0U);

@@ -27,13 +27,18 @@ class Snapshot {
   const T& latest() const { return value_; }
 
   // Background. Copies again if a tick came between.
-  T read() const {
+  void read(T& copy) const {
     for (;;) {
       const uint32_t version = load(version_);
-      const T copy = value_;
+      copy = value_;
       __atomic_signal_fence(__ATOMIC_SEQ_CST);
-      if (load(version_) == version) return copy;
+      if (load(version_) == version) return;
     }
+  }
+  T read() const {
+    T copy;
+    read(copy);
+    return copy;
   }
 
  private:
