@@ -163,8 +163,9 @@ bool Drive::target_reached() const {
     if (mode_ == OperationMode::kProfileVelocity) {
       if (velocity_ != parameters_->get_signed(Register::kTargetVelocity)) return false;
       if (velocity_ != 0) return at_velocity_;
+    } else if (given_up_) {
+      return false;
     }
-    if (given_up_) return false;
   }
   if (moving_ || buffered_) return false;
   const uint64_t settled_us = uint64_t{seen_.settled_ticks} * tick_us_;

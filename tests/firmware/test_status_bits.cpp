@@ -122,6 +122,27 @@ TEST_F(Velocity, reached_is_said_when_the_setpoint_has_the_velocity_and_not_befo
   }
 }
 
+// Nothing is asked of the axis then, and nothing of the client.
+TEST_F(Velocity, a_halt_at_rest_and_a_disabling_called_off_leave_it_reached_at_rest) {
+  control(0x10F);
+  step(50);
+  TEST_ASSERT_EQUAL_UINT32(kTargetReached | kBit12, status() & kBits);
+  control(0x0F);
+  step(50);
+  TEST_ASSERT_EQUAL_UINT32(kTargetReached | kBit12, status() & kBits);
+  velocity(400000);
+  step(100);
+  send(framed({1, 6, 0, 0x40, 0, 0x07}));
+  step(8);
+  answer();
+  control(0x0F);
+  TEST_ASSERT_EQUAL_UINT32(0x0027, status() & (0x006F | kTargetReached | kBit12));
+  step(100);
+  TEST_ASSERT_DOUBLE_WITHIN(0.0, 0.0, speed());
+  TEST_ASSERT_EQUAL_UINT32(kTargetReached | kBit12, status() & kBits);
+  TEST_ASSERT_EQUAL_UINT32(0, get(0x0012));
+}
+
 // Reached while the setpoint has the velocity asked for, and only then; then the limit, until something else is asked.
 TEST_F(Velocity, a_soft_limit_that_holds_it_is_shown_and_not_called_reached) {
   control(0x00);
