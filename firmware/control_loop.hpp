@@ -93,7 +93,11 @@ class ControlLoop {
   // Never torn: read again if a tick came between.
   LoopSnapshot snapshot() const { return published_.read(); }
   void snapshot(LoopSnapshot& copy) const { published_.read(copy); }
-  FaultCode fault() const { return __atomic_load_n(&now().fault, __ATOMIC_RELAXED); }
+  // Of the newest one.
+  FaultCode fault() const {
+    const volatile FaultCode& fault = now().fault;
+    return fault;
+  }
 
   // --- tick -------------------------------------------------------------------------------------------------------
 
