@@ -41,14 +41,14 @@ void put_parameters(const Parameters& parameters, const ShaperSettings& shaper, 
 void take_entry(uint32_t key, uint32_t value, Parameters& parameters, ShaperSettings& shaper, uint32_t& in_force) {
   const size_t index = find_parameter(static_cast<uint16_t>(key));
   const uint32_t set = key >> 16;
-  Parameter parameter = kParameters[index == kNoParameter ? 0 : index];  // 0, which is not stored, for none
+  const Parameter parameter = kParameters[index == kNoParameter ? 0 : index];  // 0, which is not stored, for none
   const bool of_set = of_shaper_set(parameter);
   const bool known =
       stored(parameter) && address_of(parameter.name) == (key & 0xFFFFU) && set <= (of_set ? kShaperSets : 0);
-  // That is for clients: the auto-tune may have found a lower mode.
-  if (parameter.unused_or_more()) parameter.allowed = 0;
   uint32_t accepted = value;
-  if ((!known && key != kKeyOfSetInForce) || !in_range(parameter, parameter.maximum, value, accepted)) {
+  const bool good = (known || key == kKeyOfSetInForce) && in_range(parameter, parameter.maximum, value, accepted);
+  // What is less than a mode may be is what a client may ask for; the auto-tune may have found it.
+  if (!good && !(parameter.unused_or_more() && accepted > value)) {
     parameters.note_out_of_range(static_cast<Register>(key & 0xFFFFU), value, accepted);
   } else if (of_set) {
     shaper.stage(set, parameter.name, value);
@@ -115,8 +115,8 @@ Loaded ParameterStore::load(Parameters& parameters, ShaperSettings& shaper) cons
   const size_t best = page_to_keep(images);
   const Header& newest = images[best];
   const Header& other = images[1 - best];
-  if (newest.whole && !newest.known()) return Loaded::kUnknownVersion;
-  if (!newest.whole) return newest.magic != 0 || other.magic != 0 ? Loaded::kBad : Loaded::kNothing;
+  if (!newest.whole) return (newest.magic | other.magic) != 0 ? Loaded::kBad : Loaded::kNothing;
+  if (!newest.known()) return Loaded::kUnknownVersion;
   uint32_t key = 0;
   uint32_t value = 0;
   uint32_t in_force = 0;
