@@ -67,6 +67,7 @@ class ControlLoop {
 
   // What the tick watches, from here on.
   void watch(const FeedbackLimits& limits) { feedback_watch_.set(limits); }
+  uint32_t beyond_limit(Signal position) const { return feedback_watch_.beyond_limit(position); }
 
   // Homing where it stands: at the next tick that finds the axis enabled and at rest, that place becomes `counts`, and
   // `homings` in the snapshot goes up. Nothing moves. What the drive is told and reads is counted from there since.

@@ -39,31 +39,36 @@ FaultCode FeedbackWatch::look(Signal setpoint, Signal position, Signal change, b
   const uint32_t window = load(following_window_);
   const bool lags = window != 0 && exceeds(wrapping_difference(setpoint, position), window);
   if (lasts(lags, allowed, lagging_)) return FaultCode::kFollowingError;
-  const bool beyond = is_beyond(static_cast<int32_t>(position >> kSignalFractionBits));
-  return lasts(beyond, allowed, beyond_) ? FaultCode::kPositionLimit : FaultCode::kNone;
+  return lasts(is_beyond(position), allowed, beyond_) ? FaultCode::kPositionLimit : FaultCode::kNone;
 }
 
-bool FeedbackWatch::is_beyond(int32_t counts) {
+[[gnu::noinline]] uint32_t FeedbackWatch::beyond_limit(Signal position) const {
   const auto low = static_cast<int32_t>(load(low_));
   const auto high = static_cast<int32_t>(load(high_));
-  FeedbackLimits limits = {0, 0, 0, low, high, load(margin_)};
-  const bool outside = limits.passed_by(counts);
-  if (!outside || !begun_ || low != low_seen_ || high != high_seen_) {
-    begun_ = true;
+  const auto counts = static_cast<int32_t>(position >> kSignalFractionBits);
+  if (low >= high || (counts >= low && counts <= high)) return 0;
+  const auto edge = static_cast<uint32_t>(counts < low ? low : high);
+  const uint32_t distance = counts < low ? edge - static_cast<uint32_t>(counts) : static_cast<uint32_t>(counts) - edge;
+  const uint32_t margin = load(margin_);
+  return distance > margin ? distance - margin : 0;
+}
+
+bool FeedbackWatch::is_beyond(Signal position) {
+  const uint32_t beyond = beyond_limit(position);
+  const uint32_t low = load(low_);
+  const uint32_t high = load(high_);
+  if (beyond == 0 || low != low_seen_ || high != high_seen_) {
+    beyond_at_first_ = beyond == 0 ? 0 : beyond + load(margin_);
     low_seen_ = low;
     high_seen_ = high;
-    lowest_ = outside && counts < low ? counts : low;
-    highest_ = outside && counts > high ? counts : high;
   }
-  limits.low = lowest_;
-  limits.high = highest_;
-  return limits.passed_by(counts);
+  return beyond > beyond_at_first_;
 }
 
 void FeedbackWatch::restart() {
   lagging_ = 0;
   beyond_ = 0;
-  begun_ = false;
+  low_seen_ = ~load(low_);
 }
 
 }  // namespace stillpoint::firmware

@@ -21,20 +21,19 @@ struct FeedbackLimits {
   int32_t low;                // of the position
   int32_t high;
   uint32_t margin;  // beyond low and high
-
-  bool passed_by(int32_t counts) const {
-    return low < high && (counts < int64_t{low} - margin || counts > int64_t{high} + margin);
-  }
 };
 
 // Tick context, but for `set`. Zero-initialised it watches nothing.
 //
 // A soft limit is one that is passed outwards. Where the position is outside already when it is looked at first, or
-// when the limits change, it may stay, come back, and until it is inside again be as far out as it was then.
+// when the limits change, it may stay, come back, and until it is inside again be as far out as it was then. Inside
+// reaches as far as the margin.
 class FeedbackWatch {
  public:
   // Background. Each limit takes effect by itself, at any tick from here on.
   void set(const FeedbackLimits& limits);
+  // Any context: counts that the position is beyond a limit and its margin, or 0.
+  uint32_t beyond_limit(Signal position) const;
 
   // Of one tick with valid feedback while the drive is enabled. `change` since the feedback of the tick before;
   // `neighbours` false where that is missing. The first fault that applies, or kNone.
@@ -44,7 +43,7 @@ class FeedbackWatch {
   void restart();
 
  private:
-  bool is_beyond(int32_t counts);
+  bool is_beyond(Signal position);
 
   // Background's, one word each.
   uint32_t following_window_ = 0;
@@ -57,12 +56,9 @@ class FeedbackWatch {
   // Ticks in a row outside.
   uint32_t lagging_ = 0;
   uint32_t beyond_ = 0;
-  // Positions that may not be passed, and the limits that they are of.
-  bool begun_ = false;
-  int32_t lowest_ = 0;
-  int32_t highest_ = 0;
-  int32_t low_seen_ = 0;
-  int32_t high_seen_ = 0;
+  uint32_t low_seen_ = 0;
+  uint32_t high_seen_ = 0;
+  uint32_t beyond_at_first_ = 0;  // with the margin, which it may be out by more
 };
 
 }  // namespace stillpoint::firmware

@@ -14,19 +14,13 @@ enum SubFunction : uint16_t {
 
 constexpr uint16_t kClearLog = 0xFF00;  // of a restart; there is no event log
 
-bool asks(const Exchange& exchange, uint32_t sub, uint32_t data) {
-  const uint8_t* request = exchange.request;
-  return exchange.length == 5 && request[0] == kDiagnostics && word_at(request + 1) == sub &&
-         word_at(request + 3) == data;
-}
-
 }  // namespace
 
 bool Diagnostics::restarts(const Exchange& exchange) {
-  return asks(exchange, kRestart, 0) || asks(exchange, kRestart, kClearLog);
+  const uint8_t* request = exchange.request;
+  if (exchange.length != 5 || request[0] != kDiagnostics || word_at(request + 1) != kRestart) return false;
+  return word_at(request + 3) == 0 || word_at(request + 3) == kClearLog;
 }
-
-bool Diagnostics::silences(const Exchange& exchange) { return asks(exchange, kForceListenOnly, 0); }
 
 ModbusException Diagnostics::execute(const RtuCounters& line, Exchange& exchange) {
   if (exchange.length < 3) return ModbusException::kIllegalValue;

@@ -15,8 +15,8 @@ class Diagnostics {
 
   // Nothing is executed and nothing answered, but for the restart that ends this.
   bool listen_only() const { return listen_only_; }
-  // Whether that is what it asks for: to begin it, to end it.
-  static bool silences(const Exchange& exchange);
+  void answer_again() { listen_only_ = false; }
+  // Whether that is what it asks for.
   static bool restarts(const Exchange& exchange);
 
  private:

@@ -50,16 +50,16 @@ ModbusException ModbusServer::execute(const RtuPort& line, Exchange& exchange) {
 
 // An axis that nobody can stop does not run on: it listens only while the drive is disabled.
 ModbusException ModbusServer::diagnose(const RtuPort& line, Exchange& exchange) {
-  const ModbusException refused =
-      modbus::Diagnostics::silences(exchange) ? registers_->check_disabled() : ModbusException::kNone;
-  return refused == ModbusException::kNone ? diagnostics_.execute(line.counters(), exchange) : refused;
+  const ModbusException refused = diagnostics_.execute(line.counters(), exchange);
+  if (!diagnostics_.listen_only()) return refused;
+  const ModbusException enabled = registers_->check_disabled();
+  if (enabled != ModbusException::kNone) diagnostics_.answer_again();
+  return enabled;
 }
 
-ModbusException ModbusServer::write(uint16_t first, uint32_t count, const uint8_t* bytes, uint16_t* words,
-                                    uint16_t before_read) {
+ModbusException ModbusServer::write(uint16_t first, uint32_t count, const uint8_t* bytes, uint16_t* words) {
   for (uint32_t i = 0; i < count; ++i) words[i] = word_at(bytes + 2 * i);
-  return to_all_ ? registers_->write_from_all(first, count, words)
-                 : registers_->write(first, count, words, before_read);
+  return to_all_ ? registers_->write_from_all(first, count, words) : registers_->write(first, count, words);
 }
 
 ModbusException ModbusServer::read(Exchange& exchange) {
@@ -110,10 +110,11 @@ ModbusException ModbusServer::read_write(Exchange& exchange) {
     return ModbusException::kIllegalValue;
   }
   if (request[9] != 2 * written || exchange.length != 10 + 2 * written) return ModbusException::kIllegalValue;
-  // Once to know that it can be read, before anything is written.
+  // Once to know that it can be read, before anything is written; what is written may not change that.
   ModbusException refused = registers_->read(first, count, exchange.words);
-  if (refused == ModbusException::kNone)
-    refused = write(word_at(request + 5), written, request + 10, exchange.words, first);
+  registers_->keep_record(first / 256 == kFirstScopeWord / 256);
+  if (refused == ModbusException::kNone) refused = write(word_at(request + 5), written, request + 10, exchange.words);
+  registers_->keep_record(false);
   if (refused == ModbusException::kNone) refused = registers_->read(first, count, exchange.words);
   if (refused == ModbusException::kNone) put_registers(exchange, count);
   return refused;

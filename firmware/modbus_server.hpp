@@ -31,8 +31,7 @@ class ModbusServer {
   ModbusException write_multiple(modbus::Exchange& exchange);
   ModbusException mask_write(modbus::Exchange& exchange);
   ModbusException read_write(modbus::Exchange& exchange);
-  ModbusException write(uint16_t first, uint32_t count, const uint8_t* bytes, uint16_t* words,
-                        uint16_t before_read = 0);
+  ModbusException write(uint16_t first, uint32_t count, const uint8_t* bytes, uint16_t* words);
 
   RegisterBank* registers_ = nullptr;
   modbus::Diagnostics diagnostics_ = {};

@@ -38,31 +38,24 @@ void put_parameters(const Parameters& parameters, const ShaperSettings& shaper, 
   writer.put(shaper.set_in_force());
 }
 
-// The register of `key` that an image can have, or kNoParameter.
-size_t stored_at(uint32_t key) {
-  const size_t index = find_parameter(static_cast<uint16_t>(key));
-  if (index == kNoParameter) return index;
-  const Parameter parameter = kParameters[index];
-  const bool known = stored(parameter) && address_of(parameter.name) == (key & 0xFFFFU) &&
-                     key >> 16 <= (of_shaper_set(parameter) ? kShaperSets : 0);
-  return known || key == kKeyOfSetInForce ? index : kNoParameter;
-}
-
 void take_entry(uint32_t key, uint32_t value, Parameters& parameters, ShaperSettings& shaper, uint32_t& in_force) {
-  const size_t index = stored_at(key);
-  if (index == kNoParameter) return parameters.note_refusal(kReasonNotAvailable, static_cast<uint16_t>(key));
-  Parameter parameter = kParameters[index];
-  // That is for clients: the auto-tune may have found a lower mode.
-  if (parameter.unused_or_more()) parameter.allowed = 0;
-  uint32_t accepted = 0;
-  if (!in_range(parameter, parameter.maximum, value, accepted)) {
-    parameters.note_out_of_range(parameter.name, value, accepted);
-  } else if (key == kKeyOfSetInForce) {
-    in_force = value;
-  } else if (of_shaper_set(parameter)) {
-    shaper.stage(key >> 16, parameter.name, value);
-  } else {
+  const size_t index = find_parameter(static_cast<uint16_t>(key));
+  const uint32_t set = key >> 16;
+  const Parameter parameter = kParameters[index == kNoParameter ? 0 : index];  // 0, which is not stored, for none
+  const bool of_set = of_shaper_set(parameter);
+  const bool known =
+      stored(parameter) && address_of(parameter.name) == (key & 0xFFFFU) && set <= (of_set ? kShaperSets : 0);
+  uint32_t accepted = value;
+  const bool good = (known || key == kKeyOfSetInForce) && in_range(parameter, parameter.maximum, value, accepted);
+  // What is less than a mode may be is what a client may ask for; the auto-tune may have found it.
+  if (!good && !(parameter.unused_or_more() && accepted > value)) {
+    parameters.note_out_of_range(static_cast<Register>(key & 0xFFFFU), value, accepted);
+  } else if (of_set) {
+    shaper.stage(set, parameter.name, value);
+  } else if (known) {
     parameters.set_value(index, value);
+  } else {
+    in_force = value;
   }
 }
 
@@ -91,39 +84,39 @@ bool ParameterStore::word_at(size_t page, uint32_t index, uint32_t& word) const 
 }
 
 // Magic 0 where nothing has been begun.
-ParameterStore::Header ParameterStore::inspect(size_t page) const {
-  Header header = {};
-  if (memory_ == nullptr || page >= memory_->page_count() || !word_at(page, 0, header.magic)) return {};
-  if (header.magic != kImageMagic) return {};
-  if (!word_at(page, 1, header.kind) || !word_at(page, 2, header.sequence)) return header;
+void ParameterStore::inspect(size_t page, Header& header) const {
+  header = {};
+  if (memory_ == nullptr || page >= memory_->page_count() || !word_at(page, 0, header.magic)) return;
+  if (header.magic != kImageMagic) {
+    header.magic = 0;
+    return;
+  }
+  if (!word_at(page, 1, header.kind) || !word_at(page, 2, header.sequence)) return;
   const uint32_t end = kHeaderWords + header.payload_words();
-  if (4 * (end + 1) > memory_->page_bytes()) return header;
+  if (4 * (end + 1) > memory_->page_bytes()) return;
   uint32_t crc = kCrc32Initial;
   uint32_t word = 0;
   for (uint32_t i = 0; i < end; ++i) {
-    if (!word_at(page, i, word)) return header;
+    if (!word_at(page, i, word)) return;
     crc = crc32_update(crc, word);
   }
   header.whole = word_at(page, end, word) && word == ~crc;
-  return header;
 }
 
 // The image that a start takes, or else the newest whole one: what must outlive a save. Any, where none is whole.
-size_t ParameterStore::page_to_keep(const Header (&images)[kPages]) {
-  const bool known[kPages] = {images[0].known(), images[1].known()};
-  const bool whole[kPages] = {images[0].whole, images[1].whole};
-  if (known[0] != known[1]) return known[0] ? 0 : 1;
-  if (whole[0] != whole[1]) return whole[0] ? 0 : 1;
-  return newer(images[0].sequence, images[1].sequence) ? 0 : 1;
+[[gnu::noinline]] size_t ParameterStore::page_to_keep(Header (&images)[kPages]) const {
+  for (size_t page = 0; page < kPages; ++page) inspect(page, images[page]);
+  const int ahead = images[0].rank() - images[1].rank();
+  return ahead > 0 || (ahead == 0 && newer(images[0].sequence, images[1].sequence)) ? 0 : 1;
 }
 
 Loaded ParameterStore::load(Parameters& parameters, ShaperSettings& shaper) const {
-  const Header images[kPages] = {inspect(0), inspect(1)};
+  Header images[kPages];
   const size_t best = page_to_keep(images);
   const Header& newest = images[best];
   const Header& other = images[1 - best];
-  if (newest.whole && !newest.known()) return Loaded::kUnknownVersion;
-  if (!newest.whole) return newest.magic != 0 || other.magic != 0 ? Loaded::kBad : Loaded::kNothing;
+  if (!newest.whole) return (newest.magic | other.magic) != 0 ? Loaded::kBad : Loaded::kNothing;
+  if (!newest.known()) return Loaded::kUnknownVersion;
   uint32_t key = 0;
   uint32_t value = 0;
   uint32_t in_force = 0;
@@ -136,7 +129,7 @@ Loaded ParameterStore::load(Parameters& parameters, ShaperSettings& shaper) cons
 
 bool ParameterStore::save(const Parameters& parameters, const ShaperSettings& shaper) {
   if (memory_ == nullptr || memory_->page_count() < kPages) return false;
-  const Header images[kPages] = {inspect(0), inspect(1)};
+  Header images[kPages];
   const size_t kept = page_to_keep(images);
   const size_t page = 1 - kept;
   const uint32_t sequence = images[kept].whole ? images[kept].sequence + 1 : 0;
@@ -149,7 +142,8 @@ bool ParameterStore::save(const Parameters& parameters, const ShaperSettings& sh
   writer.put(sequence);
   put_parameters(parameters, shaper, writer);
   writer.put(~writer.crc);
-  const Header written = inspect(page);
+  Header& written = images[page];
+  inspect(page, written);
   return writer.good && written.whole && written.sequence == sequence;
 }
 

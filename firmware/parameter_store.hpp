@@ -63,13 +63,14 @@ class ParameterStore {
     uint32_t sequence;
     bool whole;
 
-    bool known() const { return whole && kind >> 16 == kImageVersion; }
+    bool known() const { return kind >> 16 == kImageVersion; }
+    int rank() const { return whole ? known() ? 2 : 1 : 0; }
     uint32_t payload_words() const { return kind & 0xFFFFU; }
   };
 
-  static size_t page_to_keep(const Header (&images)[kPages]);
   bool word_at(size_t page, uint32_t index, uint32_t& word) const;
-  Header inspect(size_t page) const;
+  void inspect(size_t page, Header& header) const;
+  size_t page_to_keep(Header (&images)[kPages]) const;
 
   hal::Nonvolatile* memory_ = nullptr;
 };

@@ -77,7 +77,7 @@ void Parameters::note_refusal(uint16_t reason, uint16_t culprit, uint32_t accept
   set(Register::kRefusalAccepted, accepted);
 }
 
-void Parameters::note_out_of_range(Register culprit, uint32_t value, uint32_t accepted) {
+[[gnu::noinline]] void Parameters::note_out_of_range(Register culprit, uint32_t value, uint32_t accepted) {
   const bool available = accepted != value;
   note_refusal(available ? kReasonOutOfRange : kReasonNotAvailable, address_of(culprit), available ? accepted : 0);
 }

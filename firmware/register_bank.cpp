@@ -39,7 +39,6 @@ struct RegisterBank::Request {
   uint32_t first;
   uint32_t count;
   const uint16_t* words;
-  bool keeps_record;  // of the scope
 
   uint32_t end() const { return first + count; }
 
@@ -86,25 +85,18 @@ void RegisterBank::begin(const Parts& parts) {
 void RegisterBank::watch() {
   const Parameters& parameters = *parts_.parameters;
   ControlLoop& loop = *parts_.loop;
-  FeedbackLimits limits = position_limits();
+  const uint32_t window = parameters.get(Register::kPositionWindow);
+  FeedbackLimits limits = {};
   limits.following_window = parameters.get(Register::kFollowingErrorWindow);
   limits.ticks = ticks_of(parameters.get(Register::kFollowingErrorTimeMs));
   limits.most_per_tick = most_per_tick(parameters.get(Register::kMaximumVelocity));
-  loop.watch(limits);
-  loop.set_position_window(parameters.get(Register::kPositionWindow));
-  loop.set_client_watchdog(parameters.get(Register::kClientWatchdogMs));
-  loop.set_fault_option(static_cast<StopOption>(parameters.get(Register::kFaultOption)));
-}
-
-// The others off.
-FeedbackLimits RegisterBank::position_limits() const {
-  const Parameters& parameters = *parts_.parameters;
-  const uint32_t window = parameters.get(Register::kPositionWindow);
-  FeedbackLimits limits = {};
   limits.low = parameters.get_signed(Register::kSoftLimitLow);
   limits.high = parameters.get_signed(Register::kSoftLimitHigh);
   limits.margin = window < kMostLimitMargin ? window : kMostLimitMargin;
-  return limits;
+  loop.watch(limits);
+  loop.set_position_window(window);
+  loop.set_client_watchdog(parameters.get(Register::kClientWatchdogMs));
+  loop.set_fault_option(static_cast<StopOption>(parameters.get(Register::kFaultOption)));
 }
 
 uint32_t RegisterBank::ticks_of(uint32_t ms) const {
@@ -119,7 +111,7 @@ uint32_t RegisterBank::most_per_tick(uint32_t velocity) const {
 }
 
 Status RegisterBank::take_parameters() {
-  const Status status = configure_axis({0, 0, nullptr, false});
+  const Status status = configure_axis({0, 0, nullptr});
   if (status.ok()) watch();
   return status;
 }
@@ -129,9 +121,8 @@ void RegisterBank::set_uptime(uint32_t uptime_ms) {
   if (uptime_ms_ - unlocked_at_ms_ >= kUnlockedMs) unlocked_ = false;
 }
 
-ModbusException RegisterBank::write(uint16_t first, uint32_t count, const uint16_t* words, uint16_t before_read) {
-  const bool of_record = before_read >= kFirstScopeWord && before_read < kFirstScopeWord + 2 * kScopePage;
-  const Request request = {first, count, words, of_record};
+ModbusException RegisterBank::write(uint16_t first, uint32_t count, const uint16_t* words) {
+  const Request request = {first, count, words};
   if (first == kFirstStreamPosition) return write_stream(request);
   ModbusException refused = check_addresses(request);
   if (refused == ModbusException::kNone) refused = check_values(request);
@@ -203,7 +194,6 @@ ModbusException RegisterBank::check_state(const Request& request) {
     if ((parameter.effect == Effect::kTune || tracks) && !parts_.tuner->available()) reason = kReasonNotAvailable;
     limits = limits || parameter.effect == Effect::kAxisLimits;
     commands = commands || parameter.effect == Effect::kTune || parameter.effect == Effect::kScope;
-    if (reason == 0 && commands && request.keeps_record) reason = kReasonNothingToDo;
     const bool applies = parameter.effect == Effect::kApplyShaper && request.value_of(parameter) != kApplyDiscard;
     const bool needs_axis = limits || applies || parameter.effect == Effect::kVelocity;
     if (reason == 0 && needs_axis && parts_.tuner->busy()) reason = kReasonTuning;
@@ -214,7 +204,7 @@ ModbusException RegisterBank::check_state(const Request& request) {
       parts_.parameters->set(Register::kCommandResult, static_cast<uint32_t>(CommandResult::kFailed));
     return refuse_state(reason, culprit);
   }
-  if (commands) return do_commands(request);
+  if (commands) return keeps_record_ ? refuse_state(kReasonNothingToDo, culprit) : do_commands(request);
   return limits ? check_limits(request, culprit) : ModbusException::kNone;
 }
 

@@ -6,7 +6,6 @@
 
 #include "firmware/drive.hpp"
 #include "firmware/fault_log.hpp"
-#include "firmware/feedback_watch.hpp"
 #include "firmware/modbus_pdu.hpp"
 #include "firmware/parameters.hpp"
 #include "firmware/position_stream.hpp"
@@ -57,8 +56,10 @@ class RegisterBank {
   // Everything read in one request belongs to one tick, the one that Drive::service saw last. Write-only registers
   // read 0. The scope's window is refused with 06 until its record is full; 0301 says what it is at, 0012 stays.
   ModbusException read(uint16_t first, uint32_t count, uint16_t* words);
-  // `before_read`: the one of the same request that comes after it, at that address, must still be possible.
-  ModbusException write(uint16_t first, uint32_t count, const uint16_t* words, uint16_t before_read = 0);
+  ModbusException write(uint16_t first, uint32_t count, const uint16_t* words);
+
+  // A write between that keeps the record that a read of `first` needs; 06 if it cannot.
+  void keep_record(bool keep) { keeps_record_ = keep; }
 
   // A write that every drive on the line was told. It can stop motion and never start it: a controlword may not ask for
   // a set-point, nor for operation unless it is enabled already and is halted; while it is enabled nothing else may be
@@ -74,7 +75,6 @@ class RegisterBank {
   struct Request;
 
   ModbusException write_stream(const Request& request);
-  FeedbackLimits position_limits() const;
   uint32_t ticks_of(uint32_t ms) const;
   uint32_t most_per_tick(uint32_t velocity) const;
   uint16_t word_at(uint16_t address) const;
@@ -97,6 +97,7 @@ class RegisterBank {
   uint32_t uptime_ms_ = 0;
   uint32_t unlocked_at_ms_ = 0;
   bool unlocked_ = false;
+  bool keeps_record_ = false;
 };
 
 }  // namespace stillpoint::firmware

@@ -52,7 +52,7 @@ void RegisterBank::refresh() {
   uint32_t warnings = loop.feedback_valid ? 0 : kWarningFeedbackMissing;
   if (loop.link_silent) warnings |= kWarningLinkSilent;
   if (parts_.shaper->restoring()) warnings |= kWarningNotRestored;
-  const bool beyond = position_limits().passed_by(counts_from_signal(loop.position));
+  const bool beyond = parts_.loop->beyond_limit(loop.position) != 0;
   if (beyond) warnings |= kWarningBeyondLimit;
   const uint32_t shown_bits = (warnings != 0 ? kStatusWarning : 0U) | (beyond ? kStatusInternalLimit : 0U);
   Parameters& parameters = *parts_.parameters;

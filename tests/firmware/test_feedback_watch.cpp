@@ -82,17 +82,22 @@ TEST_F(Watching, what_is_outside_when_it_is_looked_at_first_may_stay_and_come_ba
   TEST_ASSERT_EQUAL_UINT32(4, ticks_until(FaultCode::kPositionLimit, at(3051), at(3051)));
 }
 
-TEST_F(Watching, out_on_one_side_it_may_not_be_out_on_the_other) {
-  TEST_ASSERT_EQUAL_UINT32(0, ticks_until(FaultCode::kPositionLimit, at(9000), at(9000)));
-  TEST_ASSERT_EQUAL_UINT32(4, ticks_until(FaultCode::kPositionLimit, at(-2051), at(-2051)));
-}
-
 // Within the margin it creeps nowhere.
 TEST_F(Watching, what_is_outside_by_less_than_the_margin_gains_nothing_by_it) {
   TEST_ASSERT_EQUAL_UINT32(0, ticks_until(FaultCode::kPositionLimit, at(3049), at(3049)));
   watch.restart();
   TEST_ASSERT_EQUAL_UINT32(0, ticks_until(FaultCode::kPositionLimit, at(3050), at(3050)));
   TEST_ASSERT_EQUAL_UINT32(4, ticks_until(FaultCode::kPositionLimit, at(3051), at(3051)));
+}
+
+TEST_F(Watching, the_ends_of_the_range_are_as_far_apart_as_they_are) {
+  FeedbackLimits widest = limits();
+  widest.low = INT32_MIN;
+  widest.high = INT32_MIN + 1;
+  watch.set(widest);
+  TEST_ASSERT_EQUAL_UINT32(0, ticks_until(FaultCode::kPositionLimit, at(INT32_MIN), at(INT32_MIN)));
+  TEST_ASSERT_EQUAL_UINT32(4, ticks_until(FaultCode::kPositionLimit, at(INT32_MAX), at(INT32_MAX)));
+  TEST_ASSERT_EQUAL_UINT32(UINT32_MAX - 51, watch.beyond_limit(at(INT32_MAX)));
 }
 
 TEST_F(Watching, limits_that_change_begin_anew) {
