@@ -104,7 +104,7 @@ void add_emulate(Commands& commands) {
   add_value(app, "--counts-per-unit", options->counts_per_unit, "N", "drive counts a unit");
   add_value(app, "--link", options->link, "PATH", "a name to give the port");
   add_value(app, "--memory", options->memory, "FILE",
-            "the parameter memory: started on where it is there; written by a save, but by the emulated chip's");
+            "the parameters that it starts on; the firmware on this host saves them there, the emulated chip cannot");
   add_value(app, "--seconds", options->seconds, "T", "end by itself after T s; 0: never");
 }
 
