@@ -161,8 +161,8 @@ MoveReport ChipClient::start(bool relative) {
     throw;
   }
   write(Register::kControlword, kEnableOperation);
-  wait_for_room();
-  if (read(Register::kRefusalReason) != 0) refuse_with_reason();
+  // One that was kept is planned only now.
+  if (wait_for_room() && read(Register::kRefusalReason) != 0) refuse_with_reason();
   MoveReport report{};
   report.profile_ticks = read32(Register::kMoveProfileTicks);
   report.total_ticks = read32(Register::kMoveTotalTicks);
@@ -184,11 +184,12 @@ void ChipClient::finish(uint64_t ticks) {
 }
 
 // A set-point kept behind a move shows in bit 12 until it is under way, and only then tells its ticks.
-void ChipClient::wait_for_room() {
+bool ChipClient::wait_for_room() {
   const auto taken = [this] { return (status() & firmware::kStatusSetPointTaken) != 0; };
-  if (!taken()) return;
+  if (!taken()) return false;
   wait(
       "the move before it done", [&] { return !taken(); }, kPatienceTicks + read32(Register::kMoveTotalTicks));
+  return true;
 }
 
 void ChipClient::take_set_point_back() {

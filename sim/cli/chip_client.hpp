@@ -61,7 +61,7 @@ class ChipClient {
 
  private:
   bool step_towards_enabled(bool& asked);
-  void wait_for_room();
+  bool wait_for_room();  // whether there was none
   void take_set_point_back();
   void try_to_take_set_point_back();
   void try_to_write_controlword(uint16_t word);

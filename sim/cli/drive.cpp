@@ -78,7 +78,9 @@ int set_value(const Call& call) {
   const int64_t value = sim::parse_integer(call.argument(1, "a value"), name_of(parameter), INT32_MIN, UINT32_MAX);
   if (parameter.lock == firmware::Lock::kNeedsKey) unlock(call.port);
   write_parameter(call.port, parameter, value);
-  return parameter.readable() ? show_values(call, {call.options.arguments[0]}) : 0;
+  if (parameter.readable()) return show_values(call, {call.options.arguments[0]});
+  if (call.output.json) print_json({{"result", "ok"}});
+  return 0;
 }
 
 MoveRequest move_request(const DriveOptions& options) {

@@ -7,6 +7,7 @@
 #include <set>
 
 #include "firmware/parameter_store.hpp"
+#include "sim/cli/chip_client.hpp"
 #include "sim/cli/drive_registers.hpp"
 #include "sim/refusal.hpp"
 
@@ -20,6 +21,9 @@ using firmware::Parameter;
 using firmware::Register;
 
 constexpr size_t kOwn = SIZE_MAX;  // no set
+constexpr uint16_t kLow = address_of(Register::kSoftLimitLow);
+constexpr uint16_t kHigh = address_of(Register::kSoftLimitHigh);
+static_assert(kHigh == kLow + 2, "one request");
 
 Parameter parameter_at(uint16_t address) { return kParameters[firmware::find_parameter(address)]; }
 
@@ -84,6 +88,7 @@ class Writer {
     unlock(port_);
     const std::set<uint16_t> bounds = ceilings();
     for (const uint16_t ceiling : bounds) put(kOwn, ceiling, highest_needed(ceiling, wanted.own));
+    put_soft_limits(wanted.own);
     for (const auto& [address, value] : wanted.own)
       if (bounds.count(address) == 0) put(kOwn, address, value);
     for (const uint16_t ceiling : bounds)
@@ -113,19 +118,47 @@ class Writer {
     return highest;
   }
 
+  // Both in one request: between the new one and the old one an axis may stand that is enabled.
+  void put_soft_limits(const SettingValues& wanted) {
+    const int64_t low = value_of(kLow, wanted);
+    const int64_t high = value_of(kHigh, wanted);
+    if (low == now_.own.at(kLow) && high == now_.own.at(kHigh)) return;
+    const auto word = [](int64_t value, int shift) { return static_cast<uint16_t>(value >> shift); };
+    const std::vector<uint16_t> words = {word(low, 16), word(low, 0), word(high, 16), word(high, 0)};
+    written_as(name_of(parameter_at(kLow)) + ", " + name_of(parameter_at(kHigh)), [&] {
+      try {
+        port_.write(kLow, words);
+      } catch (const sim::RegisterRefusal& refusal) {
+        ChipClient(port_).explain(refusal);
+      }
+    });
+    now_.own[kLow] = low;
+    now_.own[kHigh] = high;
+  }
+  int64_t value_of(uint16_t address, const SettingValues& wanted) const {
+    const auto given = wanted.find(address);
+    return given != wanted.end() ? given->second : now_.own.at(address);
+  }
+
   void put(size_t set, uint16_t address, int64_t value) {
     SettingValues& values = set == kOwn ? now_.own : now_.sets[set];
     if (values.at(address) == value) return;
     const Parameter parameter = parameter_at(address);
-    // It may have been taken though no answer came.
-    written_.push_back(set == kOwn ? name_of(parameter) : fmt::format("{} of set {}", name_of(parameter), set));
+    written_as(set == kOwn ? name_of(parameter) : fmt::format("{} of set {}", name_of(parameter), set),
+               [&] { write_parameter(port_, parameter, value); });
+    values[address] = value;
+  }
+
+  // It may have been taken though no answer came.
+  template <typename Write>
+  void written_as(const std::string& name, const Write& write) {
+    written_.push_back(name);
     try {
-      write_parameter(port_, parameter, value);
+      write();
     } catch (const sim::Refusal& refusal) {
       if (refusal.result() != "client_silent") written_.pop_back();
       throw;
     }
-    values[address] = value;
   }
 
   sim::RegisterPort& port_;

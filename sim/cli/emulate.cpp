@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // `stillpoint emulate`: a drive behind a serial port, without a drive: the firmware on the host, or the chip's own
 // image in the emulator, with the simulated arm.
-#include <unistd.h>
-
 #include <chrono>
 #include <csignal>
 #include <cstdio>
@@ -10,11 +8,9 @@
 #include <memory>
 #include <thread>
 
-#include "firmware/application.hpp"
-#include "firmware/default_axis.hpp"
-#include "shaper/axis/axis.hpp"
 #include "sim/cli/command.hpp"
-#include "sim/hil/lock.hpp"
+#include "sim/cli/emulated_drive.hpp"
+#include "sim/cli/page_file.hpp"
 #include "sim/hil/pseudo_terminal.hpp"
 #include "sim/refusal.hpp"
 #include "sim/simulated_drive.hpp"
@@ -32,63 +28,12 @@ struct EmulateOptions {
   std::string counts_per_unit = "1000000";
   std::string link;
   std::string seconds = "0";
+  std::string memory;
 };
 
 volatile std::sig_atomic_t told_to_end = 0;
 
 void end_politely(int) { told_to_end = 1; }
-
-class NoWatchdog final : public hal::Watchdog {
- public:
-  void feed() override {}
-};
-
-// One millisecond of a drive a step, the client's bytes with it.
-class Steps {
- public:
-  virtual ~Steps() = default;
-  virtual void step() = 0;
-};
-
-class HostSteps final : public Steps {
- public:
-  HostSteps(sim::SimulatedDrive& drive, sim::PseudoTerminal& client) {
-    sim::require(axis_.configure(firmware::kDefaultAxis));
-    application_.begin(axis_, {&drive, &client, &watchdog_, &faults_, &tune_memory_});
-  }
-  void step() override {
-    application_.tick();
-    application_.own_timer_tick();
-    // One takes a request, the next what it asks for; a third would find nothing.
-    application_.poll();
-    application_.poll();
-  }
-
- private:
-  Axis<firmware::kLineCapacity> axis_ = {};
-  firmware::Application application_ = {};
-  firmware::FaultMemory faults_ = {};
-  TuneMemory tune_memory_ = {};
-  NoWatchdog watchdog_;
-};
-
-class ChipSteps final : public Steps {
- public:
-  ChipSteps(const std::string& elf, sim::SimulatedDrive& drive, sim::PseudoTerminal& client)
-      : lock_(sim::start_locked(elf)), drive_(drive), client_(client) {}
-  void step() override {
-    uint8_t byte = 0;
-    while (client_.read(byte)) lock_->client().write(byte);
-    command_ = lock_->exchange(drive_.exchange(command_));
-    while (lock_->client().read(byte)) client_.write(byte);
-  }
-
- private:
-  std::unique_ptr<sim::Lock> lock_;
-  sim::SimulatedDrive& drive_;
-  sim::PseudoTerminal& client_;
-  hal::ServoCommand command_ = {};
-};
 
 // A name of the user's own for a port that has another each time.
 class Link {
@@ -119,12 +64,11 @@ int run(const EmulateOptions& options) {
   const double seconds = sim::parse_number(options.seconds, "--seconds");
   sim::SimulatedDrive drive(config);
   sim::PseudoTerminal client;
-  std::unique_ptr<Steps> steps;
-  if (options.elf.empty()) {
-    steps = std::make_unique<HostSteps>(drive, client);
-  } else {
-    steps = std::make_unique<ChipSteps>(options.elf, drive, client);
-  }
+  std::unique_ptr<PageFile> memory;
+  if (!options.memory.empty()) memory = std::make_unique<PageFile>(options.memory);
+  const std::unique_ptr<EmulatedDrive> steps = options.elf.empty()
+                                                   ? firmware_on_host(drive, client, memory.get())
+                                                   : firmware_on_chip(options.elf, drive, client, memory.get());
   // The port is shown once the drive hears what comes in.
   constexpr int kStepsToBoot = 100;
   for (int i = 0; i < kStepsToBoot; ++i) steps->step();
@@ -159,6 +103,8 @@ void add_emulate(Commands& commands) {
             "the simulated arm: frequency in Hz, damping ratio, share");
   add_value(app, "--counts-per-unit", options->counts_per_unit, "N", "drive counts a unit");
   add_value(app, "--link", options->link, "PATH", "a name to give the port");
+  add_value(app, "--memory", options->memory, "FILE",
+            "the parameters that it starts on; the firmware on this host saves them there, the emulated chip cannot");
   add_value(app, "--seconds", options->seconds, "T", "end by itself after T s; 0: never");
 }
 

@@ -24,8 +24,9 @@ using Clock = std::chrono::steady_clock;
 }
 
 std::vector<std::string> command_line(const Emulator::Options& options) {
-  std::vector<std::string> words = {kEmulatorProgram, "-M",   "netduinoplus2", "-kernel", options.elf,
-                                    "-display",       "none", "-monitor",      "none",    "-nodefaults"};
+  std::vector<std::string> words = {kEmulatorProgram, "-M",          "netduinoplus2", "-kernel",
+                                    options.elf,      "-display",    "none",          "-monitor",
+                                    "none",           "-nodefaults", "-no-reboot"};
   if (options.clock.instruction_shift) {
     words.insert(words.end(),
                  {"-icount", "shift=" + std::to_string(*options.clock.instruction_shift) + ",sleep=off,align=off"});
@@ -109,6 +110,8 @@ void Emulator::refuse_ended() {
   const std::string how = WIFEXITED(status) ? "exit status " + std::to_string(WEXITSTATUS(status))
                                             : "signal " + std::to_string(WTERMSIG(status));
   const std::string words = last_words();
+  if (WIFEXITED(status) && WEXITSTATUS(status) == 0 && words.empty())
+    refuse("chip", "was reset by its firmware, another start is accepted", "chip_reset");
   std::string hint = words.empty() ? "it ended by itself" : words;
   if (WIFEXITED(status) && WEXITSTATUS(status) == 127) {
     hint =

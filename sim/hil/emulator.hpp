@@ -26,7 +26,7 @@ struct EmulatorClock {
 // How long the host waits for any one answer. Far above what a loaded machine needs.
 constexpr std::chrono::seconds kEmulatorPatience{20};
 
-// Runs until it is destroyed, or this process ends, however it ends. Linux only. Nothing is left behind: serial lines
+// Runs until it is destroyed, or this process ends, however it ends, or the chip is reset: there is no second start. Linux only. Nothing is left behind: serial lines
 // are socket pairs that the child inherits, without names.
 class Emulator {
  public:
@@ -53,7 +53,7 @@ class Emulator {
   bool ended() const;
   // Throws the Refusal that nothing came.
   [[noreturn]] void refuse_silent(const std::string& waiting_for);
-  // For a descriptor whose other end has been closed.
+  // For a descriptor whose other end has been closed: `chip_reset`, else `emulator_ended`.
   [[noreturn]] void refuse_ended();
 
  private:

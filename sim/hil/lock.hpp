@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "hal/byte_stream.hpp"
 #include "hal/servo_port.hpp"
@@ -22,7 +23,8 @@ class Lock {
  public:
   virtual ~Lock() = default;
 
-  // One tick: the sync goes out, the answer to it comes back. Throws a Refusal (`emulator_ended`, `emulator_silent`).
+  // One tick: the sync goes out, the answer to it comes back. Throws a Refusal (`emulator_ended`,
+  // `emulator_silent`, `chip_reset`).
   virtual hal::ServoCommand exchange(const hal::ServoFeedback& sync) = 0;
 
   // The other end of the firmware's client line. Bytes move while ticks do.
@@ -39,7 +41,8 @@ enum class Pace {
 };
 
 // Starts the image: the production one through its serial lines, the test image (tests/hil/campaign), known by a
-// marker in it, through semihosting. `pace` is for the test image.
-std::unique_ptr<Lock> start_locked(const std::string& elf, Pace pace = Pace::kLock);
+// marker in it, through semihosting. `pace` is for the test image, further `arguments` of the emulator's for the other.
+std::unique_ptr<Lock> start_locked(const std::string& elf, Pace pace = Pace::kLock,
+                                   const std::vector<std::string>& arguments = {});
 
 }  // namespace stillpoint::sim

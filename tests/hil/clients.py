@@ -46,8 +46,9 @@ def until(what, condition, seconds=30.0):
 
 
 @contextlib.contextmanager
-def emulated(port, *options):
-    chip = subprocess.Popen([PROGRAM, "emulate", "--elf", ELF, "--link", port, "--seconds", "300", *options],
+def emulated(port, *options, elf=ELF):
+    image = ["--elf", elf] if elf else []
+    chip = subprocess.Popen([PROGRAM, "emulate", *image, "--link", port, "--seconds", "300", *options],
                             stdout=subprocess.PIPE, text=True)
     try:
         check("the port", port, chip.stdout.readline().strip())
@@ -284,6 +285,21 @@ def drives_everything(port):
     check("switched off", "switch on disabled", libmodbus.drive("disable")["state"])
 
 
+def starts_on_what_was_saved(folder):
+    """Saved on the host, since the emulated flash cannot; then each start of the chip is on it, after a reset too."""
+    port, memory = str(pathlib.Path(folder) / "stored"), str(pathlib.Path(folder) / "memory")
+    libmodbus, mbpoll = Libmodbus(port), Mbpoll(port)
+    with emulated(port, "--memory", memory, elf=None):
+        mbpoll.write(0x60, *words(765432))
+        libmodbus.drive("save")
+    with emulated(port, "--memory", memory):
+        check("the profile velocity saved", 765432, wide(mbpoll, 0x60))
+        mbpoll.write(0x60, *words(111))
+        mbpoll.write(0x14, 0x554E)
+        mbpoll.write(0x14, 0x5253)
+        until("another start", lambda: wide(mbpoll, 0x60) == 765432)
+
+
 def host_was_too_slow(port):
     """The drive gives up on a link that is silent for 0.4 s of the host; that says nothing about its clients."""
     try:
@@ -299,6 +315,7 @@ def main():
             with emulated(port):
                 try:
                     drives_everything(port)
+                    starts_on_what_was_saved(folder)
                     print("mbpoll, libmodbus and pymodbus have driven the chip's image")
                     return
                 except Failure as failure:

@@ -159,6 +159,67 @@ TEST(settings_go_into_a_file_and_into_another_drive) {
   check_refused(2, "file: ", other.drive("import " + scratch_file("none.json")));
 }
 
+TEST(what_was_saved_is_there_after_a_reset_and_in_the_next_process) {
+  const std::string memory = scratch_file("memory.bin");
+  std::filesystem::remove(memory);
+  {
+    const Emulated emulated("--memory " + memory);
+    json_of(emulated.drive("set profile-velocity 777000"));
+    json_of(emulated.drive("save"));
+    json_of(emulated.drive("set profile-velocity 5"));
+    json_of(emulated.drive("set command-key 21838"));  // unlock
+    json_of(emulated.drive("set command-key 21075"));  // reset
+    Json after;
+    for (int i = 0; i < 50 && after["profile-velocity"] != 777000; ++i)
+      after = json_of(emulated.drive("get profile-velocity uptime"));
+    TEST_ASSERT_TRUE(after["profile-velocity"] == 777000);
+  }
+  TEST_ASSERT_EQUAL_UINT64(8192, std::filesystem::file_size(memory));
+  {
+    const Emulated again("--memory " + memory);
+    TEST_ASSERT_TRUE(json_of(again.drive("get profile-velocity"))["profile-velocity"] == 777000);
+  }
+  {
+    std::fstream file(memory, std::ios::in | std::ios::out | std::ios::binary);
+    file.seekp(41);
+    file.put('x');
+  }
+  {
+    const Emulated bad("--memory " + memory);
+    const Json status = json_of(bad.drive("status"));
+    TEST_ASSERT_TRUE(status["fault"] == "no stored parameters are whole, the defaults are in force");
+    check_refused(1, "drive: fault 6310h: no stored parameters are whole, the defaults are in force, a reset",
+                  bad.drive("enable"));
+    const Json faults = json_of(bad.drive("faults"))["faults"];
+    TEST_ASSERT_EQUAL_UINT64(1, faults.size());
+    check_keys(faults[0], {"code", "text", "count", "uptime_ms", "position_counts", "demand_counts"});
+    TEST_ASSERT_TRUE(json_of(bad.drive("reset"))["state"] == "switch on disabled");
+    check_refused(1, "drive: switch on disabled: no fault to reset", bad.drive("reset"));
+  }
+  std::ofstream(memory) << "short";
+  check_refused(2, "--memory: " + memory + ": 5 bytes, a file of 8192, or none yet, is accepted",
+                "emulate --memory " + memory);
+  check_refused(2, "--memory: /nowhere/x: cannot be written", "emulate --memory /nowhere/x");
+}
+
+TEST(a_mode_does_not_make_another_thing_of_a_move) {
+  const Emulated emulated;
+  json_of(emulated.drive("set mode 6"));
+  const Json there = json_of(emulated.drive("move --target 20000"));
+  TEST_ASSERT_TRUE(there["position_counts"] == 20000);
+  TEST_ASSERT_TRUE(json_of(emulated.drive("status"))["mode"] == 1);
+  json_of(emulated.drive("disable"));
+  check_refused(1, "drive: switch on disabled: nothing to halt", emulated.drive("halt"));
+  check_refused(1, "register: 0041h: Modbus exception 2: no such register", emulated.drive("set statusword 1"));
+  check_refused(2, "file: /tmp: a directory", emulated.drive("import /tmp"));
+  json_of(emulated.drive("enable"));
+  json_of(emulated.drive("set soft-limit-high 70000"));
+  json_of(emulated.drive("set soft-limit-low -70000"));
+  check_refused(1, "position: register 0044h: above the maximum, 70000 is accepted there",
+                emulated.drive("scope --target 80000"));
+  TEST_ASSERT_TRUE(json_of(emulated.drive("get scope-state"))["scope-state"] == 0);
+}
+
 TEST(a_port_that_is_none_or_silent_is_refused_by_name) {
   check_refused(2, "PORT: /nowhere: cannot be opened", "drive /nowhere status");
   check_refused(2, "PORT: missing", "drive");

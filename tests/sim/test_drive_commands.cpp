@@ -3,10 +3,13 @@
 #include "sim/cli/drive_commands.hpp"
 
 #include <algorithm>
-#include <functional>
+#include <cstdio>
+#include <nlohmann/json.hpp>
 #include <string>
 
 #include "sim/cli/chip_client.hpp"
+#include "sim/cli/drive_files.hpp"
+#include "sim/cli/drive_status.hpp"
 #include "sim/cli/drive_tune.hpp"
 #include "sim/refusal.hpp"
 #include "tests/firmware/drive402.hpp"
@@ -233,6 +236,26 @@ TEST(a_drive_that_is_enabled_loses_its_torque_by_disable_and_stop_alone) {
     if (stays && kDo[verb] != cli::disable_drive && kDo[verb] != cli::stop_drive)
       TEST_ASSERT_FALSE(rig.torque_lost_since(from));
   });
+}
+
+TEST(what_only_asks_changes_nothing_in_any_state) {
+  for (const Row& row : kRows) {
+    TEST_INFO("situation", row.name);
+    Commanded rig;
+    row.situation(rig);
+    const uint32_t controlword = rig.get(0x0040);
+    const bool had_torque = rig.servo.enabled();
+    const bool moved = rig.moves();
+    const uint32_t state = rig.state();
+    static_cast<void>(cli::exported(rig.port));
+    static_cast<void>(cli::fault_history(rig.port));
+    TEST_ASSERT_EQUAL_UINT32(controlword, rig.get(0x0040));
+    if (row.situation == moving || row.situation == slowing || row.situation == fault_reaction)
+      continue;  // may be over
+    TEST_ASSERT_EQUAL_UINT32(state, rig.state());
+    TEST_ASSERT_TRUE(had_torque == rig.servo.enabled());
+    TEST_ASSERT_TRUE(moved == rig.moves());
+  }
 }
 
 TEST(a_jog_goes_on_through_what_is_refused_and_stands_after_a_halt) {

@@ -132,6 +132,22 @@ TEST(an_export_goes_over_a_ceiling_that_was_lowered_and_back) {
   }
 }
 
+TEST(an_axis_that_is_enabled_never_stands_beyond_limits_that_are_half_written) {
+  for (const int32_t position : {-50000, 50000}) {
+    Json file = delivered();
+    file["settings"]["soft-limit-low"] = -70000;
+    file["settings"]["soft-limit-high"] = 70000;
+    Holder drive;
+    drive.enable();
+    drive.start_move(position);
+    drive.control(0x0F);
+    drive.step(2000);
+    TEST_ASSERT_TRUE(cli::import_settings(drive.port, file).empty());
+    TEST_ASSERT_EQUAL_UINT32(0, drive.get(0x0010));
+    TEST_ASSERT_EQUAL_UINT32(0x27, drive.state());
+  }
+}
+
 TEST(what_the_drive_refuses_half_way_leaves_everything_as_it_was) {
   Random random(7);
   Holder from;
