@@ -26,8 +26,8 @@ struct EmulatorClock {
 // How long the host waits for any one answer. Far above what a loaded machine needs.
 constexpr std::chrono::seconds kEmulatorPatience{20};
 
-// Runs until it is destroyed, or this process ends, however it ends, or the chip is reset: there is no second start. Linux only. Nothing is left behind: serial lines
-// are socket pairs that the child inherits, without names.
+// Runs until it is destroyed, or this process ends, however it ends, or the chip is reset: there is no second start.
+// Linux only. Nothing is left behind: serial lines are socket pairs that the child inherits, without names.
 class Emulator {
  public:
   struct Options {
