@@ -79,10 +79,10 @@ struct Rig : Client {
   TuneMemory tune_memory = {};
 
   Rig() { connect(servo); }
-  explicit Rig(hal::ServoPort& port) { connect(port); }
-  void connect(hal::ServoPort& port) {
+  explicit Rig(hal::ServoPort& port, hal::Nonvolatile* memory = nullptr) { connect(port, memory); }
+  void connect(hal::ServoPort& port, hal::Nonvolatile* memory = nullptr) {
     TEST_ASSERT_OK(axis.configure(firmware::kDefaultAxis));
-    drive.begin(axis, {&port, &line, &dog, &faults, &tune_memory});
+    drive.begin(axis, {&port, &line, &dog, &faults, &tune_memory, memory});
     step(2);
   }
 

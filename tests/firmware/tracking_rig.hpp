@@ -63,7 +63,7 @@ enum TrackingSwitch : uint32_t { kOff, kShow, kApply };
 struct TrackingRig : ChangingArmHolder, Drive402 {
   int32_t at = 0;
 
-  TrackingRig() : Drive402(arm) {
+  explicit TrackingRig(hal::Nonvolatile* memory = nullptr) : Drive402(arm, memory) {
     enable();
     apply_zv(kArmHz, kArmDamping);
   }
