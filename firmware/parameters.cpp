@@ -50,7 +50,7 @@ Register Parameters::lower_to_ceilings() {
   Register lowered = kNoRegister;
   for (size_t i = 0; i < kParameterCount; ++i) {
     const Parameter parameter = kParameters[i];
-    if (parameter.ceiling == kNoRegister || parameter.effect == Effect::kAxisLimits) continue;
+    if (parameter.ceiling == kNoRegister) continue;
     const uint32_t ceiling = get(parameter.ceiling);
     if (values_[i] <= ceiling) continue;
     values_[i] = ceiling;

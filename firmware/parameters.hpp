@@ -105,8 +105,8 @@ class Parameters {
   // Takes the axis's maxima and quick stop, rounded down to whole registers, and lowers the profile to them.
   void adopt(const AxisConfig& config);
 
-  // Lowers what a move may ask for to what the axis may: every parameter with a ceiling that is no limit itself.
-  // One that was above it, or kNoRegister.
+  // Lowers what a move and a quick stop may ask for to what the axis may: every parameter with a ceiling. One that was
+  // above it, or kNoRegister.
   Register lower_to_ceilings();
 
   uint32_t value(size_t index) const { return values_[index]; }

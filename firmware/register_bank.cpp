@@ -234,6 +234,14 @@ uint32_t RegisterBank::staged(const Request& request, Register name) const {
   return request.holds(parameter) ? request.value_of(parameter) : parts_.parameters->get(name);
 }
 
+// As it will be once the request is done.
+uint32_t RegisterBank::staged_under_ceiling(const Request& request, Register name) const {
+  const uint32_t value = staged(request, name);
+  const Register ceiling = kParameters[find_parameter(address_of(name))].ceiling;
+  const uint32_t most = ceiling == kNoRegister ? value : staged(request, ceiling);
+  return value < most ? value : most;
+}
+
 // Those that look at what comes with them too. No request reaches from one to the other.
 ModbusException RegisterBank::do_commands(const Request& request) {
   Parameters staged = *parts_.parameters;
@@ -257,7 +265,7 @@ ModbusException RegisterBank::do_commands(const Request& request) {
 // Refused while the axis moves, and then nothing has changed.
 Status RegisterBank::configure_axis(const Request& request) {
   AxisConfig config = parts_.axis->config();
-  take_axis_limits([&](Register name) { return staged(request, name); }, config);
+  take_axis_limits([&](Register name) { return staged_under_ceiling(request, name); }, config);
   return parts_.axis->configure(config);
 }
 
@@ -267,21 +275,22 @@ void RegisterBank::commit(const Request& request) {
     if (parameter.effect == Effect::kShaperSet) parts_.shaper->show_set(request.value_of(parameter));
     return true;
   });
+  bool limits = false;  // which the axis has taken in the check
   request.each([&](const Parameter& parameter, size_t index) {
     const uint32_t value = request.value_of(parameter);
     if (parameter.readable()) parts_.parameters->set_value(index, value);
     set_off(parameter, value);
+    limits = limits || parameter.effect == Effect::kAxisLimits;
     return true;
   });
+  if (!limits) return;
+  parts_.parameters->lower_to_ceilings();
+  watch();
 }
 
 void RegisterBank::set_off(const Parameter& parameter, uint32_t value) {
   switch (parameter.effect) {
     case Effect::kControlword: parts_.drive->write_controlword(static_cast<uint16_t>(value)); break;
-    case Effect::kAxisLimits:  // the axis has taken them in the check
-      parts_.parameters->lower_to_ceilings();
-      watch();
-      break;
     case Effect::kWatch: watch(); break;
     case Effect::kVelocity: parts_.drive->write_velocity(); break;
     case Effect::kApplyShaper:
@@ -301,7 +310,8 @@ void RegisterBank::set_off(const Parameter& parameter, uint32_t value) {
       if (!parts_.keeper->busy())
         parts_.parameters->set(Register::kCommandResult, static_cast<uint32_t>(CommandResult::kDone));
       break;
-    case Effect::kTune:  // done as the last of the checks
+    case Effect::kAxisLimits:  // done after the others
+    case Effect::kTune:        // done as the last of the checks
     case Effect::kScope:
     case Effect::kShaperSet:  // done before the others
     case Effect::kNone: break;

@@ -86,6 +86,7 @@ class RegisterBank {
   ModbusException refuse_state(uint16_t reason, Register culprit);
   uint16_t key_refusal(uint32_t key) const;
   uint32_t staged(const Request& request, Register name) const;
+  uint32_t staged_under_ceiling(const Request& request, Register name) const;
   ModbusException check_limits(const Request& request, Register culprit);
   Status configure_axis(const Request& request);
   ModbusException do_commands(const Request& request);

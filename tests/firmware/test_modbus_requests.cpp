@@ -227,4 +227,20 @@ TEST_F(Rig, the_watchdog_is_fed_while_ticks_or_the_own_timer_come_and_starves_wi
   TEST_ASSERT_EQUAL_UINT32(meals, dog.meals);
 }
 
+TEST_F(Rig, a_quick_stop_comes_down_with_the_axiss_limits) {
+  unlock();
+  TEST_ASSERT_EQUAL_UINT32(0, write_wide(0x005C, 1000));
+  TEST_ASSERT_EQUAL_UINT32(1000, get_wide(0x0056));
+  TEST_ASSERT_DOUBLE_WITHIN(0.0, 1e6, axis.config().quick_stop_jerk);
+  TEST_ASSERT_EQUAL_UINT32(0, write_wide(0x005A, 5000));
+  TEST_ASSERT_EQUAL_UINT32(5000, get_wide(0x0066));
+  TEST_ASSERT_DOUBLE_WITHIN(0.0, 5000.0, axis.config().quick_stop_deceleration);
+  TEST_ASSERT_EQUAL_UINT32(kIllegalValue, write_wide(0x0056, 1001));
+  // One request may raise it and what it is under.
+  TEST_ASSERT_EQUAL_UINT32(0, write(0x0056, {0, 7000, 0, 9000, 0, 6000, 0, 8000}));
+  TEST_ASSERT_EQUAL_UINT32(7000, get_wide(0x0056));
+  TEST_ASSERT_DOUBLE_WITHIN(0.0, 7e6, axis.config().quick_stop_jerk);
+  TEST_ASSERT_EQUAL_UINT32(5000, get_wide(0x0066));
+}
+
 }  // namespace
