@@ -104,7 +104,7 @@ struct HostTuned : TuneRig {
     step(50);
     TEST_ASSERT_EQUAL_UINT32(1, get(0x0131));
     TEST_ASSERT_EQUAL_UINT32(0, write_single(0x0101, 5));
-    TEST_ASSERT_EQUAL_UINT32(0, write(0x010A, {0, 4711, 123, 0, 1, 0}));
+    TEST_ASSERT_EQUAL_UINT32(0, write(0x010A, {0, 54711, 123, 0, 1, 0}));
     TEST_ASSERT_EQUAL_UINT32(0, write_single(0x0100, 2));
   }
 
