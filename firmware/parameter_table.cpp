@@ -98,7 +98,7 @@ constexpr Entry mode(uint32_t index, uint32_t offset) {
   switch (static_cast<ModeField>(offset)) {
     case ModeField::kFrequency: return value(name, T::kU32, 0, 0, 3000000, 0, "mode frequency", "1e-4 Hz", 5000);
     case ModeField::kDamping: return value(name, T::kU16, 0, 0, 30000, 0, "mode damping ratio", "1e-5");
-    case ModeField::kTolerance: return value(name, T::kU16, 0, 0, 2000, 0, "mode tolerance", "0.01 %");
+    case ModeField::kTolerance: return value(name, T::kU16, 0, 0, 2000, 0, "mode tolerance", "0.01 %", 10);
     case ModeField::kKind: return value(name, T::kU16, 0, 0, 13, 0, "mode shaper type", "");
     case ModeField::kSpacing:
       return value(name, T::kU16, 0, 0, 5000, 0, "mode spacing of MZV's impulses", "1e-4 periods");

@@ -64,11 +64,11 @@ void Parameters::adopt(const AxisConfig& config) {
   const bool even = config.maximum.acceleration <= config.maximum.deceleration;
   adopt_one(Register::kMaximumAcceleration, even ? config.maximum.acceleration : config.maximum.deceleration);
   adopt_one(Register::kMaximumJerk, config.maximum.jerk / kJerkUnit);
+  lower_to_ceilings();
   adopt_one(Register::kQuickStopDeceleration, config.quick_stop_deceleration);
   adopt_one(Register::kQuickStopJerk, config.quick_stop_jerk / kJerkUnit);
   set_signed(Register::kSoftLimitLow, config.soft_low_counts);
   set_signed(Register::kSoftLimitHigh, config.soft_high_counts);
-  lower_to_ceilings();
 }
 
 void Parameters::note_refusal(uint16_t reason, uint16_t culprit, uint32_t accepted) {

@@ -291,8 +291,7 @@ constexpr uint16_t kReasonImageVersion = 0x8A00;  // at the start: parameters st
 constexpr uint16_t kReasonImageBad = 0x8A01;      // at the start: no stored parameters are whole
 constexpr uint16_t kReasonNotEnabled = 0x9000;    // only in operation enabled
 constexpr uint16_t kReasonTuning = 0x9100;        // the auto-tune has the axis
-constexpr uint16_t kReasonNothingToDo =
-    0x9200;  // nothing to accept or undo (auto-tune), to trigger or, then, to read (scope)
+constexpr uint16_t kReasonNothingToDo = 0x9200;   // to accept or undo (auto-tune), to trigger or, then, read (scope)
 
 constexpr uint16_t reason_of(Error error, Quantity quantity) {
   return static_cast<uint16_t>((static_cast<uint32_t>(error) << 8) | static_cast<uint32_t>(quantity));

@@ -39,6 +39,8 @@ std::string text_of_reason(uint16_t reason) {
     case firmware::kReasonLocked: return "locked, accepted after the unlock key (0014 = 554Eh)";
     case firmware::kReasonNotStanding: return "the axis moves, or something waits to take effect, accepted at rest";
     case firmware::kReasonHalted: return "the halt bit is set, accepted without it";
+    case firmware::kReasonOtherMode:
+      return "the set-point had not begun when another mode came into force, accepted in profile position mode";
     case firmware::kReasonNoFeedback: return "no valid position from the servo link, accepted with one";
     case firmware::kReasonNotAvailable: return "this firmware cannot do it, what its register map has is accepted";
     case firmware::kReasonOutOfRange: return "out of range";

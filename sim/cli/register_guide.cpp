@@ -143,7 +143,11 @@ Enable operation takes a ready drive through switched on. It waits for valid fee
 and with target velocity 0, and never starts a motion. From operation enabled, switch on ramps by the profile's limits
 first; shutdown and disable voltage switch off at once, whatever moves. Quick stop is what 0078 says; where that stays,
 enable operation goes on once the axis stands, else it ends in switch on disabled. Another mode (0042) is in force, and
-in 0043, once the axis stands.
+in 0043, once the axis stands. What is asked for while a commanded stop is under way is lost; enable operation during a
+switch on's ramp keeps the drive on, standing. 0052 reads 0 after every stop but a halt.
+
+Beyond a soft limit (pushed there while off, the limit drawn in) a drive can be enabled and moves inwards; targets and
+velocities further out are refused.
 
 A set-point: write 0044 on, raise bit 4, wait until bit 12 of the statusword is up or 0012 is not 0 (the edge clears
 it), lower bit 4. Lowered before, the set-point may be lost. Behind one that is kept another is refused, but for one at
@@ -197,7 +201,8 @@ void print_refusals() {
 A request refused with exception 06, or with 03 for a value out of its range, leaves the reason in 0012, the register
 in 0013, and in 0016 what would have been accepted there, in that register's unit (0: nothing). So does, without an
 exception, what is refused later: a set-point, a shaper (0132 too; one of the tracking's in 0251 alone), a command key
-(0015: 3), a tuning that the axis ended. What was in force still is.
+(0015: 3), a tuning that the axis ended, and at the start what was stored and could not be loaded. What was in force
+still is.
 
 | reason | |
 |---|---|

@@ -26,7 +26,8 @@ const char* diagnostic_text(uint32_t sub_function) {
   switch (sub_function) {
     case 0: return "return the query";
     case 1: return "restart the communication: ends listen-only, clears the counters";
-    case 4: return "listen only: nothing is executed or answered until function 8/1";
+    case 4:
+      return "listen only, while disabled as for a save (06 else): nothing is executed or answered until function 8/1";
     case 10: return "clear the counters";
     case 11: return "whole messages on the line";
     case 12: return "messages with a bad CRC, too short or too long";
@@ -117,7 +118,7 @@ void print_windows() {
 | address | what | access |
 |---|---|---|
 | {:04X}-{:04X} | the next positions of a stream, i32 counts, by function 16 from {:04X} on | W |
-| {:04X}-{:04X} | the scope's page that 0311 names, {} samples i32 of one channel; 06 until its record is full | R |
+| {:04X}-{:04X} | the scope's page that 0311 names, {} samples i32 of one channel; 06 until its record is full, 0012 stays | R |
 | {:04X}-{:04X} | the newest {} faults, {} registers each | R |
 )",
              kFirstStreamPosition, kFirstStreamPosition + 2 * firmware::kStreamWindow - 1, kFirstStreamPosition,
@@ -128,10 +129,10 @@ A fault, the newest at {:04X}: +0 code; +1 how often this code has come; +2 upti
 i32 counts, both at the fault; then zeros, as everything is where there is none. It outlasts a restart, not a loss of
 power.
 
-The stream holds {} positions, 0088 ticks apart, each at most {} counts from the one before. Those of a
-request are all taken or none (06: no room; 03: too far apart). Its first is where the axis stands; bit 4 of the
-controlword begins it. With 0088 at 1 positions go out as they are, else a cubic B-spline goes by them, two intervals
-late.
+The stream holds {} positions, 0088 ticks apart, each at most {} counts from the one before. Those of a request are
+all taken or none (06: no room; 03: too far apart). Its first is where the axis stands; bit 4 of the controlword
+begins it. Enabling and another mode in force empty it. With 0088 at 1 positions go out as they are, else a cubic
+B-spline goes by them, two intervals late.
 
 The scope has {} samples, shared by the channels of 030A on that come before the first 0. 0311: high byte the channel
 from 0, low byte the page; samples rise in time, 0310 of each channel, 0309 of them before the trigger.

@@ -24,7 +24,9 @@ std::string when_seen(FaultCode code) {
     case FaultCode::kLinkSilent: return "enabled";
     case FaultCode::kFollowingError:
       return "enabled, beyond 006C for longer than 006E; 0: never. Or, with pulse output, more pulses than it can send";
-    case FaultCode::kPositionLimit: return "enabled, beyond 0074 or 0076 by more than 0070 for longer than 006E";
+    case FaultCode::kPositionLimit:
+      return "enabled, beyond 0074 or 0076, or further out than it was enabled at, by more than 0070 or 100 counts for "
+             "longer than 006E";
     case FaultCode::kStreamLimit: return "with 1 in 0089";
   }
   return "";
@@ -38,7 +40,6 @@ FaultText fault_text(FaultCode code) {
     case FaultCode::kWatchdog:
     case FaultCode::kParametersBad: all.reaction = "none, it is off"; break;
     case FaultCode::kStackOverflow: all.reset = "restart"; break;
-    case FaultCode::kPositionLimit: all.reset = "edge; comes back there unless the limit is moved"; break;
     case FaultCode::kLinkSilent:
       all.reaction = "0079, a ramp being a quick stop; off after " + std::to_string(firmware::kSilentMsAbandon) +
                      " ms without a tick";
@@ -53,6 +54,7 @@ const char* warning_text(uint32_t mask) {
     case firmware::kWarningFeedbackMissing: return "the newest feedback was lost or invalid";
     case firmware::kWarningLinkSilent: return "no servo tick comes";
     case firmware::kWarningNotRestored: return "the shaper that was saved is not in force: not yet, or refused";
+    case firmware::kWarningBeyondLimit: return "the position is beyond a soft limit";
     default: return nullptr;
   }
 }
@@ -92,10 +94,14 @@ const char* status_text(uint32_t mask) {
     case firmware::kStatusTargetReached:
       return "target reached: the shaper has drained, nothing waits, and the position has stayed within 0070 for 0072; "
              "not after a move that was given up, but after a halt. In profile velocity the setpoint has the velocity";
+    case firmware::kStatusInternalLimit:
+      return "internal limit: a soft limit holds the velocity asked for, or the position is beyond one";
     case firmware::kStatusSetPointTaken:  // and the other modes' of that bit
       return "profile position: the set-point is taken, until bit 4 falls and, where it is kept, it begins. Profile "
              "velocity: stands. Homing: done, until the next or another mode. Stream: followed exactly";
-    case firmware::kStatusHomingError: return "homing: refused, the axis moved";
+    case firmware::kStatusHomingError:  // and the other mode's of that bit
+      return "profile position: the position has been out of 006C for longer than 006E, until that fault is reset. "
+             "Homing: refused, the axis moved";
     default: return nullptr;
   }
 }

@@ -221,7 +221,7 @@ TEST_F(Shaping, a_mode_that_the_tick_cannot_realise_is_refused_by_name_and_the_o
   apply();
   TEST_ASSERT_EQUAL_UINT32(1, get(0x0131));
   TEST_ASSERT_EQUAL_UINT32(2, axis.shaper().stage_count);
-  stage(1, 1, 0, 1);  // 1e-4 Hz
+  stage(4, 5000, 0, 1);  // ZVDDD of 0.5 Hz: 4000 ticks
   apply();
   TEST_ASSERT_EQUAL_UINT32(3, get(0x0131));
   const uint32_t reason = get(0x0132);
@@ -231,15 +231,15 @@ TEST_F(Shaping, a_mode_that_the_tick_cannot_realise_is_refused_by_name_and_the_o
 }
 
 TEST_F(Shaping, a_shaper_too_long_for_the_line_is_refused_with_a_frequency_that_is_not) {
-  stage(2, 4000, 0);  // ZVD of 0.4 Hz: 2500 ticks
+  stage(3, 5000, 0);  // ZVDD of 0.5 Hz: 3000 ticks
   apply();
   TEST_ASSERT_EQUAL_UINT32(3, get(0x0131));
   TEST_ASSERT_EQUAL_ENUM(Error::kLineTooShort, get(0x0132) >> 8);
   TEST_ASSERT_EQUAL_UINT32(0x0102, get(0x0013));
   const uint32_t lowest = get_wide(0x0016);
-  TEST_ASSERT_AT_LEAST_INT64(4001, lowest);
-  TEST_ASSERT_AT_MOST_INT64(5000, lowest);
-  stage(2, lowest, 0);
+  TEST_ASSERT_AT_LEAST_INT64(5001, lowest);
+  TEST_ASSERT_AT_MOST_INT64(7500, lowest);
+  stage(3, lowest, 0);
   apply();
   TEST_ASSERT_EQUAL_UINT32(1, get(0x0131));
 }

@@ -109,8 +109,8 @@ TEST_F(Sets, the_predicted_residual_is_that_of_the_active_shaper_at_its_modes) {
 TEST_F(Sets, what_cannot_be_designed_is_refused_by_name_and_the_old_shaper_stays) {
   stage(0, kZv, 110000);
   apply();
-  stage(1, block(kEi, 110000, 0, 5, 0));
-  expect_refused(Error::kBelowMinimum, Quantity::kTolerance, 0x0105, 10);
+  TEST_ASSERT_EQUAL_UINT32(3, write(0x0102, block(kEi, 110000, 0, 9, 0)));
+  TEST_ASSERT_EQUAL_UINT32(10, get_wide(0x0016));
   stage(1, block(kMzv, 110000, 0, 0, 2000));
   expect_refused(Error::kBelowMinimum, Quantity::kSpacing, 0x0107, 2500);
   stage(1, block(kCv4, 3000000, 0, 2000, 0));  // its highest zero at 1.6 times that
