@@ -118,7 +118,7 @@ void print_windows() {
 | address | what | access |
 |---|---|---|
 | {:04X}-{:04X} | the next positions of a stream, i32 counts, by function 16 from {:04X} on | W |
-| {:04X}-{:04X} | the scope's page that 0311 names, {} samples i32 of one channel; 06 until its record is full, 0012 stays | R |
+| {:04X}-{:04X} | the page that 0311 names of the scope, {} samples i32 of a channel; 06 until its record is full | R |
 | {:04X}-{:04X} | the newest {} faults, {} registers each | R |
 )",
              kFirstStreamPosition, kFirstStreamPosition + 2 * firmware::kStreamWindow - 1, kFirstStreamPosition,
