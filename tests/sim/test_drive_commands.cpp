@@ -14,6 +14,7 @@
 #include "sim/refusal.hpp"
 #include "tests/firmware/drive402.hpp"
 #include "tests/firmware/stored_drive.hpp"
+#include "tests/sim/refusals.hpp"
 #include "tests/sim/rig_port.hpp"
 
 using namespace stillpoint;
@@ -177,14 +178,10 @@ void for_each_case(const Check& check) {
 }
 
 std::string outcome_of(Commanded& rig, size_t verb) {
-  try {
-    kDo[verb](rig.port);
-    return "ok";
-  } catch (const sim::Refusal& refusal) {
-    TEST_INFO("said", std::string(refusal.what()));
-    TEST_ASSERT_TRUE(std::string(refusal.what()).find("accepted") != std::string::npos);
-    return refusal.result();
-  }
+  const auto refused = refusal_of([&] { kDo[verb](rig.port); });
+  if (refused.said.empty()) return "ok";
+  check_says("accepted", refused.said);
+  return refused.result;
 }
 
 std::string hexadecimal(uint32_t value) {
@@ -293,13 +290,8 @@ TEST(a_set_point_that_was_refused_does_not_stand_in_the_next_ones_way) {
   rig.enable();
   rig.unlock();
   TEST_ASSERT_EQUAL_UINT32(0, rig.write(0x0074, {0xFFFF, 0, 1, 0}));  // soft limits
-  bool refused = false;
-  try {
-    static_cast<void>(cli::start_move(rig.port, {1000000, false}));
-  } catch (const sim::Refusal& refusal) {
-    refused = refusal.result() == "drive_refused";
-  }
-  TEST_ASSERT_TRUE(refused);
+  const auto beyond = [&] { static_cast<void>(cli::start_move(rig.port, {1000000, false})); };
+  TEST_ASSERT_TRUE(refusal_of(beyond).result == "drive_refused");
   TEST_ASSERT_EQUAL_UINT32(0x0F, rig.get(0x0040));
   move(rig.port);
   TEST_ASSERT_EQUAL_INT64(kTarget, rig.demand());
@@ -311,12 +303,7 @@ TEST(a_move_that_is_halted_or_stopped_on_its_way_is_no_success) {
     Commanded rig;
     const MoveReport report = cli::start_move(rig.port, {2000000, false});
     rig.control(word);
-    std::string result;
-    try {
-      cli::ChipClient(rig.port).finish(report.total_ticks);
-    } catch (const sim::Refusal& refusal) {
-      result = refusal.result();
-    }
+    const std::string result = refusal_of([&] { cli::ChipClient(rig.port).finish(report.total_ticks); }).result;
     TEST_ASSERT_TRUE(result == (word == 0x10F ? "halted" : "not_enabled"));
   }
 }
@@ -329,12 +316,7 @@ TEST(a_tuning_leaves_an_axis_that_moves_in_another_mode_to_it) {
     const uint32_t controlword = rig.get(0x0040);
     cli::DriveTuneOptions options;
     options.by = "host";
-    std::string result;
-    try {
-      static_cast<void>(tune_drive(rig.port, options, {}));
-    } catch (const sim::Refusal& refusal) {
-      result = refusal.result();
-    }
+    const std::string result = refusal_of([&] { static_cast<void>(tune_drive(rig.port, options, {})); }).result;
     TEST_INFO("result", result);
     TEST_ASSERT_TRUE(result == "mode_in_force");
     TEST_ASSERT_EQUAL_INT32(moved ? 1 : 0, rig.moves() ? 1 : 0);
@@ -348,13 +330,8 @@ TEST(a_tuning_that_cannot_be_asked_for_switches_nothing_on) {
   cli::DriveTuneOptions options;
   options.by = "host";
   options.excitation = "bump";
-  std::string result;
-  try {
-    static_cast<void>(tune_drive(rig.port, options, {}));
-  } catch (const sim::Refusal& refusal) {
-    result = refusal.result();
-  }
-  TEST_ASSERT_TRUE(result == "bad_argument");
+  const auto ask = [&] { static_cast<void>(tune_drive(rig.port, options, {})); };
+  TEST_ASSERT_TRUE(refusal_of(ask).result == "bad_argument");
   TEST_ASSERT_FALSE(rig.torque_since(0));
 }
 
@@ -364,12 +341,7 @@ TEST(settings_are_saved_while_the_drive_is_off_a_fault_included) {
   RigPort port(rig);
   rig.step(5);
   rig.enable();
-  std::string said;
-  try {
-    cli::save_settings(port);
-  } catch (const sim::Refusal& refusal) {
-    said = refusal.what();
-  }
+  const std::string said = refusal_of([&] { cli::save_settings(port); }).said;
   TEST_INFO("said", said);
   TEST_ASSERT_TRUE(said.find("drive: register 0014h: ") == 0);
   rig.drive.note_fault(firmware::FaultCode::kTickOverrun);
@@ -384,13 +356,7 @@ TEST(a_drive_without_feedback_is_refused_by_name_and_stays_off) {
   Commanded rig;
   rig.servo.valid = false;
   rig.step(10);
-  std::string result;
-  try {
-    cli::enable_drive(rig.port);
-  } catch (const sim::Refusal& refusal) {
-    result = refusal.result();
-  }
-  TEST_ASSERT_TRUE(result == "no_feedback");
+  TEST_ASSERT_TRUE(refusal_of([&] { cli::enable_drive(rig.port); }).result == "no_feedback");
   const size_t from = rig.servo.commands.size();
   rig.servo.valid = true;
   rig.step(500);

@@ -11,6 +11,7 @@
 #include "sim/cli/drive_settings.hpp"
 #include "sim/refusal.hpp"
 #include "tests/firmware/drive402.hpp"
+#include "tests/sim/refusals.hpp"
 #include "tests/sim/rig_port.hpp"
 #include "tests/support/random.hpp"
 
@@ -49,20 +50,9 @@ struct Holder : Drive402 {
     TEST_ASSERT_EQUAL_UINT32(0, write_wide(address, value));
   }
   std::string said_of_import(const Json& file) {
-    try {
-      static_cast<void>(cli::import_settings(port, file));
-    } catch (const sim::Refusal& refusal) {
-      return refusal.what();
-    }
-    return "";
+    return refusal_of([&] { static_cast<void>(cli::import_settings(port, file)); }).said;
   }
 };
-
-void check_says(const std::string& expected, const std::string& said) {
-  TEST_INFO("expected", expected);
-  TEST_INFO("said", said);
-  TEST_ASSERT_TRUE(said.find(expected) != std::string::npos);
-}
 
 void check_same(const Json& expected, const Json& actual) {
   TEST_INFO("expected", expected.dump());
@@ -240,13 +230,8 @@ TEST(another_firmware_or_map_is_told_and_taken) {
 }
 
 TEST(a_directory_is_no_file) {
-  std::string said;
-  try {
-    static_cast<void>(cli::read_json_file(std::filesystem::temp_directory_path().string()));
-  } catch (const sim::Refusal& refusal) {
-    said = refusal.what();
-  }
-  check_says(": a directory, a file that can be read is accepted", said);
+  const auto read = [] { static_cast<void>(cli::read_json_file(std::filesystem::temp_directory_path().string())); };
+  check_says(": a directory, a file that can be read is accepted", refusal_of(read).said);
 }
 
 }  // namespace

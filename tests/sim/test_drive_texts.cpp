@@ -13,6 +13,7 @@
 #include "sim/cli/drive_status.hpp"
 #include "sim/refusal.hpp"
 #include "tests/firmware/drive402.hpp"
+#include "tests/sim/refusals.hpp"
 #include "tests/sim/rig_port.hpp"
 
 using namespace stillpoint;
@@ -24,24 +25,9 @@ struct Asked : Enabled402 {
   RigPort port{*this};
 
   std::string said_of_set(const std::string& name, int64_t value) {
-    return said([&] { cli::write_parameter(port, cli::parameter_named(name), value); });
-  }
-  template <typename Ask>
-  std::string said(const Ask& ask) {
-    try {
-      ask();
-    } catch (const sim::Refusal& refusal) {
-      return refusal.what();
-    }
-    return "";
+    return refusal_of([&] { cli::write_parameter(port, cli::parameter_named(name), value); }).said;
   }
 };
-
-void check_says(const std::string& expected, const std::string& said) {
-  TEST_INFO("expected", expected);
-  TEST_INFO("said", said);
-  TEST_ASSERT_TRUE(said.find(expected) != std::string::npos);
-}
 
 // From the header itself, so that a code without a text does not go unseen.
 std::set<int> codes_in_header(const std::string& pattern) {
@@ -101,7 +87,7 @@ TEST(a_fault_is_told_by_its_code_and_words_with_what_is_accepted) {
   drive.drive.note_fault(firmware::FaultCode::kTickOverrun);
   drive.step(500);
   check_says("drive: fault 6100h: a tick had not ended when the next was due, a reset of the fault is accepted first",
-             drive.said([&] { cli::enable_drive(drive.port); }));
+             refusal_of([&] { cli::enable_drive(drive.port); }).said);
 }
 
 TEST(the_history_has_each_fault_with_its_count_the_newest_first) {
@@ -132,19 +118,20 @@ TEST(a_scope_whose_move_is_refused_is_stopped) {
   drive.unlock();
   TEST_ASSERT_EQUAL_UINT32(0, drive.write(0x0074, {0xFFFF, 0, 1, 0}));
   cli::ScopeRequest request;
-  check_says("accepted", drive.said([&] {
-    cli::capture_scope(drive.port, request, [&] { cli::start_move(drive.port, {1000000, false}); });
-  }));
+  check_says("accepted",
+             refusal_of([&] {
+               cli::capture_scope(drive.port, request, [&] { cli::start_move(drive.port, {1000000, false}); });
+             }).said);
   TEST_ASSERT_EQUAL_UINT32(0, drive.get(0x0301));
   // And one during whose waiting something goes wrong.
-  check_says("fault 6100h", drive.said([&] {
-    cli::capture_scope(
-        drive.port, request, [] {},
-        [&] {
-          TEST_ASSERT_EQUAL_UINT32(1, drive.get(0x0301));
-          throw sim::bad_argument("fault 6100h", "", "");
-        });
-  }));
+  check_says("fault 6100h", refusal_of([&] {
+                              cli::capture_scope(
+                                  drive.port, request, [] {},
+                                  [&] {
+                                    TEST_ASSERT_EQUAL_UINT32(1, drive.get(0x0301));
+                                    throw sim::bad_argument("fault 6100h", "", "");
+                                  });
+                            }).said);
   TEST_ASSERT_EQUAL_UINT32(0, drive.get(0x0301));
 }
 

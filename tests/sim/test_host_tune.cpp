@@ -7,6 +7,8 @@
 #include "sim/cli/tune_client.hpp"
 #include "sim/refusal.hpp"
 #include "tests/firmware/tune_rig.hpp"
+#include "tests/sim/refusals.hpp"
+#include "tests/sim/rig_port.hpp"
 #include "tests/support/random.hpp"
 
 using namespace stillpoint;
@@ -16,36 +18,6 @@ namespace {
 
 constexpr uint32_t kShaperWords = 34;  // from 0100 on
 constexpr uint32_t kPlainTarget = 1000000;
-
-// The registers of a rig. A request takes 20 ticks.
-class RigPort : public sim::RegisterPort {
- public:
-  explicit RigPort(TuneRig& rig) : rig_(rig) {}
-  std::vector<uint16_t> read(uint16_t address, uint16_t count) override {
-    ticks_ += 20;
-    const Bytes response = rig_.exchange(Client::read_request(address, count));
-    refuse_exception(address, response);
-    std::vector<uint16_t> words;
-    for (size_t i = 2; i < response.size(); i += 2)
-      words.push_back(static_cast<uint16_t>((response[i] << 8) | response[i + 1]));
-    return words;
-  }
-  using RegisterPort::write;
-  void write(uint16_t address, const std::vector<uint16_t>& values) override {
-    ticks_ += 20;
-    refuse_exception(address, rig_.exchange(Client::write_request(address, values)));
-  }
-  uint64_t ticks() const override { return ticks_; }
-
- private:
-  static void refuse_exception(uint16_t address, const Bytes& response) {
-    const uint32_t exception = Client::exception_in(response);
-    if (exception != 0) throw sim::refused_register(address, static_cast<int>(exception));
-  }
-
-  TuneRig& rig_;
-  uint64_t ticks_ = 0;
-};
 
 // As a drive without a tuner answers.
 class TunerlessPort final : public RigPort {
@@ -117,6 +89,10 @@ struct HostTuned : TuneRig {
     TEST_ASSERT_EQUAL_UINT32(0, get(0x0301));  // and the scope's memory is free
   }
 };
+
+SeenRefusal refusal_of_tuning(HostTuned& rig, const cli::HostTuneTask& task) {
+  return refusal_of([&] { static_cast<void>(tune_by_host(rig.port, task)); });
+}
 
 void check_mode(const Identification& found, double frequency_hz, double damping) {
   TEST_ASSERT_EQUAL_ENUM(Finding::kFound, found.finding);
@@ -194,14 +170,7 @@ TEST(what_was_in_force_is_in_force_again_wherever_it_is_interrupted) {
     task.meanwhile = [&](double) {
       if (left-- == 0) throw sim::bad_argument("test", "interrupted", "");
     };
-    bool interrupted = false;
-    try {
-      static_cast<void>(tune_by_host(rig.port, task));
-    } catch (const sim::Refusal& refusal) {
-      interrupted = true;
-      TEST_ASSERT_TRUE(refusal.result() == "bad_argument");
-    }
-    TEST_ASSERT_TRUE(interrupted);
+    TEST_ASSERT_TRUE(refusal_of_tuning(rig, task).result == "bad_argument");
     TEST_ASSERT_TRUE(before == rig.settings());
     rig.check_stands();
   }
@@ -216,13 +185,7 @@ TEST(a_fault_on_the_way_has_the_old_set_in_force_once_it_is_reset) {
   task.meanwhile = [&](double) {
     if (++calls == 40) rig.drive.note_fault(firmware::FaultCode::kTickOverrun);
   };
-  bool refused = false;
-  try {
-    static_cast<void>(tune_by_host(rig.port, task));
-  } catch (const sim::Refusal& refusal) {
-    refused = refusal.result() == "drive_fault";
-  }
-  TEST_ASSERT_TRUE(refused);
+  TEST_ASSERT_TRUE(refusal_of_tuning(rig, task).result == "drive_fault");
   for (const uint32_t word : {0x00U, 0x80U, 0x00U}) rig.control(word);
   rig.step(100);
   TEST_ASSERT_EQUAL_UINT32(0, rig.get(0x0010));
@@ -280,12 +243,7 @@ void expect_refused(const std::string& what, const Change& change) {
   cli::HostTuneTask task = task_of(rig.port);
   change(rig, task);
   rig.arm.forget();
-  std::string said;
-  try {
-    static_cast<void>(tune_by_host(rig.port, task));
-  } catch (const sim::Refusal& refusal) {
-    said = refusal.what();
-  }
+  const std::string said = refusal_of_tuning(rig, task).said;
   TEST_INFO("said", said);
   TEST_ASSERT_TRUE(said.find(what) == 0);
   TEST_ASSERT_TRUE(said.find("accepted") != std::string::npos);
@@ -320,13 +278,8 @@ TEST(a_drive_without_a_tuner_is_tuned_by_the_host_unless_it_must_be_the_drive) {
   TEST_ASSERT_EQUAL_UINT32(1, rig.get(0x0131));
   TEST_ASSERT_DOUBLE_WITHIN(550, 110000, rig.get_wide(0x0102));
   options.by = "drive";
-  bool refused = false;
-  try {
-    static_cast<void>(tune_drive(port, options, output));
-  } catch (const sim::Refusal& refusal) {
-    refused = refusal.result() == "drive_refused";
-  }
-  TEST_ASSERT_TRUE(refused);
+  const auto ask = [&] { static_cast<void>(tune_drive(port, options, output)); };
+  TEST_ASSERT_TRUE(refusal_of(ask).result == "drive_refused");
 }
 
 }  // namespace
