@@ -21,27 +21,20 @@ constexpr double kApart = 0.1;  // steps of a sine, in the logarithm of the freq
 
 double counts_of(Signal signal) { return static_cast<double>(signal) / static_cast<double>(kSignalPerCount); }
 
-[[gnu::noinline]] Status between(Quantity quantity, double value, double low, double high) {
-  if (!math::is_finite(value)) return refuse(Error::kNotFinite, quantity, value);
-  if (value < low) return refuse(Error::kBelowMinimum, quantity, value, low);
-  if (value > high) return refuse(Error::kAboveMaximum, quantity, value, high);
-  return kOk;
-}
-
 Status check_choices(const TuneConfig& config) {
   const auto excitation = static_cast<uint32_t>(config.excitation);
   if (excitation >= kTuneExcitations)
     return refuse(Error::kAboveMaximum, Quantity::kKind, excitation, kTuneExcitations - 1.0);
   const auto source = static_cast<uint32_t>(config.source);
   if (source >= kTuneSources) return refuse(Error::kAboveMaximum, Quantity::kKind, source, kTuneSources - 1.0);
-  return between(Quantity::kTolerance, config.tolerance, kMinTolerance, kMaxTolerance);
+  return check_range(Quantity::kTolerance, config.tolerance, kMinTolerance, kMaxTolerance);
 }
 
 }  // namespace
 
 Status plan_listening(double low_hz, double high_hz, double tick_s, uint32_t samples, ListenPlan& listen) {
   Status status = check_positive(Quantity::kFrequency, low_hz);
-  if (status.ok()) status = between(Quantity::kFrequency, high_hz, low_hz, kHighestOfRate / tick_s);
+  if (status.ok()) status = check_range(Quantity::kFrequency, high_hz, low_hz, kHighestOfRate / tick_s);
   if (!status.ok()) return status;
   const double record_s = samples * tick_s;
   uint32_t decimation = 1;
@@ -78,7 +71,7 @@ Status plan_move(AxisCore& axis, const TuneConfig& config, TunePlan& plan) {
   if (distance == 0.0) return refuse(Error::kNotPositive, Quantity::kDistance, 0.0);
   plan.announced = Announcement{distance, report.peaks.velocity, report.peaks.acceleration, report.peaks.jerk,
                                 report.profile_ticks * axis.config().tick_s};
-  return between(Quantity::kTravel, distance, 0.0, config.travel_counts);
+  return check_range(Quantity::kTravel, distance, 0.0, config.travel_counts);
 }
 
 // Excites without leading anywhere.
@@ -170,7 +163,7 @@ Status prepare_sine(const AxisCore& axis, const TuneConfig& config, const TunePl
   const AxisConfig& of_axis = axis.config();
   const Signal from = axis.state().setpoint;
   const double away = math::abs(counts_of(wrapping_difference(from, plan.home)));
-  status = between(Quantity::kTravel, away + own.travel, 0.0, config.travel_counts);
+  status = check_range(Quantity::kTravel, away + own.travel, 0.0, config.travel_counts);
   if (status.ok() && of_axis.has_soft_limits()) {
     const double at = counts_of(from);
     const double room = math::lesser(at - of_axis.soft_low_counts, of_axis.soft_high_counts - at);
