@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "firmware/mode_tracking.hpp"
 
+#include "firmware/register_units.hpp"
+
 namespace stillpoint::firmware {
 namespace {
 
-constexpr float kFrequencyPerHz = 1e4F;
-constexpr float kDampingPerOne = 1e5F;
-constexpr double kResidualPerOne = 1e4;
 // Of the band that is listened to, half the lowest frequency followed and 1.2 times the highest, as the registers have
 // them. The low end makes the record long enough.
 constexpr double kBandLow = 2e4;
@@ -106,8 +105,9 @@ void ModeTracking::show() {
     const bool followed = k < tracker_.count();
     const float hz = followed ? tracker_.frequency_hz(k) : 0.0F;
     const float damping = followed ? tracker_.damping_ratio(k) : 0.0F;
-    parameters.set(tracked_register(k, 0), static_cast<uint32_t>(hz * kFrequencyPerHz + 0.5F));
-    parameters.set(tracked_register(k, kTrackedDamping), static_cast<uint32_t>(damping * kDampingPerOne + 0.5F));
+    parameters.set(tracked_register(k, 0), static_cast<uint32_t>(hz * static_cast<float>(kFrequencyPerHz) + 0.5F));
+    parameters.set(tracked_register(k, kTrackedDamping),
+                   static_cast<uint32_t>(damping * static_cast<float>(kDampingPerOne) + 0.5F));
   }
 }
 

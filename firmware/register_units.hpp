@@ -1,11 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
-// From the shaper's doubles to a register's whole numbers, so that the value put into a register is one that would be
-// accepted. Background.
+// The registers' units, and from the shaper's doubles to a register's whole numbers, so that the value put into a
+// register is one that would be accepted. Background.
 #pragma once
 
 #include <stdint.h>
 
 namespace stillpoint::firmware {
+
+constexpr double kFrequencyPerHz = 1e4;  // of a mode
+constexpr double kDampingPerOne = 1e5;
+constexpr double kResidualPerOne = 1e4;  // tolerances too
+constexpr double kSpacingPerPeriod = 1e4;
+constexpr double kBandPerHz = 10.0;  // of the auto-tune
 
 // Values that are whole but for rounding count as whole.
 constexpr double kRegisterSlack = 1e-6;

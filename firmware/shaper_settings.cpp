@@ -10,17 +10,12 @@ constexpr ModeField kFields[] = {ModeField::kFrequency, ModeField::kDamping, Mod
                                  ModeField::kSpacing};
 enum : uint32_t { kFrequency, kDamping, kTolerance, kKind, kSpacing };  // their places in kFields
 
-constexpr double kFrequencyPerHz = 1e4;
-constexpr double kDampingPerOne = 1e5;
-constexpr double kTolerancePerOne = 1e4;
-constexpr double kSpacingPerPeriod = 1e4;
-constexpr double kResidualPerOne = 1e4;
 constexpr double kUsPerSecond = 1e6;
 
 // Register values are ShaperKind's. A train of the client's own has no registers to come through.
 ShaperSpec spec_of(const uint32_t (&fields)[5]) {
   const Mode mode{fields[kFrequency] / kFrequencyPerHz, fields[kDamping] / kDampingPerOne};
-  return {static_cast<ShaperKind>(fields[kKind]), mode, fields[kTolerance] / kTolerancePerOne,
+  return {static_cast<ShaperKind>(fields[kKind]), mode, fields[kTolerance] / kResidualPerOne,
           fields[kSpacing] / kSpacingPerPeriod, nullptr};
 }
 
@@ -30,7 +25,7 @@ bool shapes_by(const uint32_t (&fields)[5]) { return static_cast<ShaperKind>(fie
 void write_fields(const ShaperSpec& spec, uint32_t (&fields)[5]) {
   fields[kFrequency] = register_nearest(spec.mode.frequency_hz, kFrequencyPerHz);
   fields[kDamping] = register_nearest(spec.mode.damping_ratio, kDampingPerOne);
-  fields[kTolerance] = register_nearest(spec.tolerance, kTolerancePerOne);
+  fields[kTolerance] = register_nearest(spec.tolerance, kResidualPerOne);
   fields[kKind] = static_cast<uint32_t>(spec.kind);
   fields[kSpacing] = register_nearest(spec.spacing, kSpacingPerPeriod);
 }
@@ -287,7 +282,7 @@ void ShaperSettings::refuse_design(const Status& status, uint32_t mode) {
   } else if (status.quantity == Quantity::kDampingRatio) {
     name(ModeField::kDamping, kDampingPerOne);
   } else if (status.quantity == Quantity::kTolerance) {
-    name(ModeField::kTolerance, kTolerancePerOne);
+    name(ModeField::kTolerance, kResidualPerOne);
   } else if (status.quantity == Quantity::kSpacing) {
     name(ModeField::kSpacing, kSpacingPerPeriod);
   } else if (status.quantity == Quantity::kStages || status.quantity == Quantity::kTaps) {

@@ -7,10 +7,6 @@
 namespace stillpoint::firmware {
 namespace {
 
-constexpr double kBandPerHz = 10.0;
-constexpr double kFrequencyPerHz = 1e4;
-constexpr double kDampingPerOne = 1e5;
-constexpr double kResidualPerOne = 1e4;
 constexpr double kThousandth = 1e3;
 constexpr double kPercent = 1e2;
 constexpr double kMsPerSecond = 1e3;

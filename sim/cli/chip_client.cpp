@@ -16,10 +16,6 @@ using firmware::address_of;
 using firmware::DriveState;
 using firmware::Register;
 
-constexpr uint16_t kDisableVoltage = 0x00;
-constexpr uint16_t kShutdown = 0x06;
-constexpr uint16_t kSwitchOn = 0x07;
-constexpr uint16_t kEnableOperation = 0x0F;
 constexpr uint16_t kApplyAtRest = 1;
 
 // A second for what takes a tick or two.

@@ -13,9 +13,6 @@ using firmware::address_of;
 using firmware::DriveState;
 using firmware::Register;
 
-constexpr uint16_t kDisableVoltage = 0x00;
-constexpr uint16_t kQuickStop = 0x02;
-
 [[noreturn]] void refuse_state(DriveState state, const char* why, const char* result) {
   throw sim::Refusal(sim::Refusal::Cause::kCannot, "drive", text(state), why, result);
 }

@@ -9,6 +9,7 @@
 #include <cstdio>
 
 #include "firmware/parameters.hpp"
+#include "firmware/register_units.hpp"
 #include "sim/cli/drive_commands.hpp"
 #include "sim/cli/host_tune.hpp"
 #include "sim/cli/json.hpp"
@@ -48,14 +49,13 @@ void take_options(const DriveTuneOptions& options, TuneRegisters& registers) {
   if (!options.amplitude.empty()) registers.amplitude = counts_of(options.amplitude, "--amplitude");
   if (!options.travel.empty()) registers.travel = counts_of(options.travel, "--travel");
   if (!options.band.empty()) {
-    constexpr double kPerHz = 10.0;
     const auto [low, high] = band_of(options.band, 400.0);
-    registers.band_low = static_cast<uint16_t>(std::lround(kPerHz * low));
-    registers.band_high = static_cast<uint16_t>(std::lround(kPerHz * high));
+    registers.band_low = static_cast<uint16_t>(std::lround(firmware::kBandPerHz * low));
+    registers.band_high = static_cast<uint16_t>(std::lround(firmware::kBandPerHz * high));
   }
   if (!options.tolerance.empty()) {
-    registers.tolerance =
-        static_cast<uint16_t>(std::lround(1e4 * sim::parse_within(options.tolerance, "--tolerance", 0.001, 0.2)));
+    registers.tolerance = static_cast<uint16_t>(
+        std::lround(firmware::kResidualPerOne * sim::parse_within(options.tolerance, "--tolerance", 0.001, 0.2)));
   }
 }
 

@@ -11,12 +11,14 @@
 #include "firmware/axis_limits.hpp"
 #include "firmware/default_axis.hpp"
 #include "firmware/parameters.hpp"
+#include "firmware/register_units.hpp"
 #include "firmware/set_point.hpp"
 #include "firmware/state_machine.hpp"
 #include "shaper/axis/axis.hpp"
 #include "sim/cli/chip_client.hpp"
 #include "sim/cli/drive_registers.hpp"
 #include "sim/cli/drive_scope.hpp"
+#include "sim/cli/drive_state.hpp"
 #include "sim/cli/rest_recorder.hpp"
 #include "sim/cli/shaper_in_force.hpp"
 #include "sim/cli/tune_output.hpp"
@@ -27,10 +29,6 @@ namespace {
 
 using firmware::address_of;
 using firmware::Register;
-
-constexpr double kBandPerHz = 10.0;
-constexpr double kTolerancePerOne = 1e4;
-constexpr uint16_t kEnabled = 0x0F;
 
 // Registers that are changed for a while.
 class Borrowed {
@@ -81,9 +79,9 @@ TuneConfig config_of(const TuneRegisters& registers, const Move& move) {
   config.move = move;
   config.amplitude_counts = registers.amplitude;
   config.travel_counts = registers.travel;
-  config.low_hz = registers.band_low / kBandPerHz;
-  config.high_hz = registers.band_high / kBandPerHz;
-  config.tolerance = registers.tolerance / kTolerancePerOne;
+  config.low_hz = registers.band_low / firmware::kBandPerHz;
+  config.high_hz = registers.band_high / firmware::kBandPerHz;
+  config.tolerance = registers.tolerance / firmware::kResidualPerOne;
   config.sensor_lowest = registers.sensor_lowest;
   config.sensor_highest = registers.sensor_highest;
   config.samples = sim::samples_for_tuning(TuneMemory::kSamples);
@@ -218,9 +216,9 @@ void put_everything_back(sim::RegisterPort& port, ShaperInForce& shaper, Borrowe
   ChipClient client(port);
   try {
     const bool halted = client.is_enabled();
-    if (halted) client.write(Register::kControlword, kEnabled | firmware::kControlHalt);
+    if (halted) client.write(Register::kControlword, kEnableOperation | firmware::kControlHalt);
     shaper.put_back();
-    if (halted && client.is_enabled()) client.write(Register::kControlword, kEnabled);
+    if (halted && client.is_enabled()) client.write(Register::kControlword, kEnableOperation);
     borrowed.put_back();
     stop_scope(port);
   } catch (const sim::Refusal& refusal) {

@@ -5,6 +5,7 @@
 
 #include "firmware/default_axis.hpp"
 #include "firmware/parameters.hpp"
+#include "firmware/register_units.hpp"
 #include "firmware/registers.hpp"
 #include "sim/refusal.hpp"
 #include "sim/text.hpp"
@@ -12,12 +13,13 @@
 namespace stillpoint::cli {
 namespace {
 
+using firmware::kBandPerHz;
+using firmware::kDampingPerOne;
+using firmware::kFrequencyPerHz;
+using firmware::kResidualPerOne;
+using firmware::kSpacingPerPeriod;
+
 constexpr double kMsPerSecond = 1e3;
-constexpr double kFrequencyPerHz = 1e4;
-constexpr double kDampingPerOne = 1e5;
-constexpr double kTolerancePerOne = 1e4;
-constexpr double kSpacingPerPeriod = 1e4;
-constexpr double kBandPerHz = 10.0;
 constexpr int16_t kTrapezoidType = 0;
 constexpr int16_t kSin2Type = 1;
 constexpr int16_t kSCurveType = 3;
@@ -96,7 +98,7 @@ std::vector<ModeRegisters> registers_of(const std::vector<sim::SpecifiedShaper>&
     mode.damping = static_cast<uint16_t>(
         to_register("damping ratio", spec.mode.damping_ratio * kDampingPerOne, kDampingPerOne, 0, 30000));
     mode.tolerance =
-        static_cast<uint16_t>(to_register("tolerance", spec.tolerance * kTolerancePerOne, kTolerancePerOne, 10, 2000));
+        static_cast<uint16_t>(to_register("tolerance", spec.tolerance * kResidualPerOne, kResidualPerOne, 10, 2000));
     if (spec.kind == ShaperKind::kCustom)
       throw sim::bad_argument("--shaper", sim::spec_text(spec),
                               "a train that the drive has no registers for, the other types are accepted");
@@ -124,7 +126,7 @@ TuneRegisters tune_registers_of(const sim::TuneTask& task) {
   registers.band_high = band(task.high_hz);
   registers.source = static_cast<uint16_t>(task.source);
   registers.tolerance =
-      static_cast<uint16_t>(to_register("--tolerance", task.tolerance * kTolerancePerOne, kTolerancePerOne, 10, 2000));
+      static_cast<uint16_t>(to_register("--tolerance", task.tolerance * kResidualPerOne, kResidualPerOne, 10, 2000));
   registers.sensor_highest = sim::highest_reading(task.drive.accelerometer);
   registers.sensor_lowest = -registers.sensor_highest;
   return registers;
@@ -134,7 +136,7 @@ sim::SpecifiedShaper specified(const ModeRegisters& mode) {
   const Mode of{mode.frequency / kFrequencyPerHz, mode.damping / kDampingPerOne};
   sim::SpecifiedShaper spec = sim::shaper_spec(static_cast<ShaperKind>(mode.kind), of);
   // 0: left out.
-  if (mode.tolerance != 0) spec.tolerance = mode.tolerance / kTolerancePerOne;
+  if (mode.tolerance != 0) spec.tolerance = mode.tolerance / kResidualPerOne;
   if (mode.spacing != 0) spec.spacing = mode.spacing / kSpacingPerPeriod;
   return spec;
 }
